@@ -7,6 +7,7 @@ use rayweave_math::{Affine, UNIT_ROUNDOFF, Vec3};
 use rayweave_model::{Collected, Evaluator, Program, Query, RayBatch, Region, RegionId, Solid};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Primitive, Value, build};
+use rayweave_shape::surface::delta;
 use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 
@@ -669,6 +670,42 @@ fn beside_a_ruling(bench: &Bench) {
     }
 }
 
+/// Two planes that cross in the z axis, `x y < 0`, along rays nearly in one of them that start far from their closest approach
+/// to that axis: the crossings are those of the planes, to the tolerance of a point.
+fn nearly_in_one_of_two_crossing_planes(bench: &Bench) {
+    let rows = [[0.0, 0.5, 0.0, 0.0], [0.5, 0.0, 0.0, 0.0], [0.0; 4], [0.0; 4]];
+    let planes = made("quadric", &[("matrix", rows.as_slice().into())]);
+    for exponent in 0..30 {
+        let slope = 2f64.powi(-exponent);
+        let ray = Ray::new(Vec3::new(1.0, 0.1 * slope, 1.5), Vec3::new(0.8048, -1.03 * slope, -0.5934));
+        let found = bench.trace(&planes, ray);
+        let expected = [-ray.origin.x / ray.direction.x, -ray.origin.y / ray.direction.y];
+        let times: Vec<f64> = found.crossings.iter().map(|c| c.t).collect();
+        assert_eq!(times.len(), 2, "{slope}: {times:?}");
+        for (t, e, speed) in [(times[0], expected[0], 0.8048), (times[1], expected[1], 1.03 * slope)] {
+            assert!((t - e).abs() * speed < delta(0.0, &ray, e), "{slope}: {t} for {e}");
+        }
+    }
+}
+
+/// A ray in one of two crossing planes that touches an elliptic cylinder at their edge, and is tilted along its axis by little:
+/// the cylinder is only touched.
+fn touching_a_cylinder_at_the_edge_of_two_planes(bench: &Bench) {
+    let rows = [[0.0, 0.5, 0.0, 0.0], [0.5, 0.0, 0.0, 0.0], [0.0; 4], [0.0; 4]];
+    let planes = made("quadric", &[("matrix", rows.as_slice().into())]).translate([0.5, 1.0, 0.0]);
+    let pole = shape("cylinder", &[("radius", 1.0), ("height", 1.0)]);
+    let pole = pole.apply(Affine::scale(Vec3::new(1.0, 2.0, 1.0))).translate([-0.5, 1.0, -1.5]);
+    let grow = Affine::scale(Vec3::splat(1024.0));
+    for tilt in [0.0, 1e-12, 1e-9, 1.117e-8, 1e-7, 1e-6, 1e-3, 1.0] {
+        let ray = Ray::new(Vec3::new(512.0, 1536.0, -1536.0 - tilt), Vec3::new(0.0, -1024.0, tilt));
+        for solid in [&planes | &pole, &planes - &pole, &planes ^ &pole] {
+            let times: Vec<f64> =
+                bench.trace(&solid.apply(grow), ray).crossings.iter().map(|c| c.t).collect();
+            assert!(matches!(times[..], [t] if (t - 0.5).abs() < 1e-13), "{tilt}: {times:?}");
+        }
+    }
+}
+
 fn tangents_of_lone_unbounded_surfaces(bench: &Bench) {
     let quadric = |rows: [[f64; 4]; 4]| made("quadric", &[("matrix", rows.as_slice().into())]);
     let diagonal = |[a, b, c, d]: [f64; 4]| {
@@ -737,6 +774,8 @@ bank! {
         tangent_rays
         tangents_of_lone_unbounded_surfaces
         beside_a_ruling
+        nearly_in_one_of_two_crossing_planes
+        touching_a_cylinder_at_the_edge_of_two_planes
         two_tangent_spheres_through_the_contact
         cone_apex
         torus_axis_and_equators

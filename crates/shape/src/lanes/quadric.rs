@@ -2,7 +2,7 @@
 
 use super::quadratic::{Form, Roots, Size};
 use super::ray::{LaneRay, Uncertain};
-use super::vector::{Lanes, Vec3Lanes};
+use super::vector::{Lanes, Vec3Lanes, splat};
 use crate::surface::{Quadric, SQUARE_NOISE};
 use fearless_simd::Simd;
 use rayweave_math::Vec3;
@@ -45,10 +45,18 @@ impl LaneQuadric {
     #[inline(always)]
     pub(super) fn roots<S: Simd>(&self, simd: S, ray: &LaneRay<S>, uncertain: &mut Uncertain<S>) -> Roots<S> {
         let Quadric { centre, axes, linear, constant, .. } = self.quadric;
-        let shift = ray.origin.taken_from(centre).dot(ray.direction) / ray.square;
-        let place = ray.origin.minus_all(centre).plus(ray.direction.times(shift));
-        let (level, rise) = (place.dot_all(linear) + constant, ray.direction.dot_all(linear));
-        let (x, v) = (place.dots(axes), ray.direction.dots(axes));
+        let mut shift = ray.origin.taken_from(centre).dot(ray.direction) / ray.square;
+        let mut place = ray.origin.minus_all(centre).plus(ray.direction.times(shift));
+        let (mut level, rise) = (place.dot_all(linear) + constant, ray.direction.dot_all(linear));
+        let (mut x, v) = (place.dots(axes), ray.direction.dots(axes));
+        if self.is_ruled {
+            // if noise matters, it exceeds the square term, and the lane is uncertain
+            let later = self.quadric.time_of_least_terms((x, v), rise, splat(simd, 0.0));
+            shift += later;
+            place = place.plus(ray.direction.times(later));
+            x = x.plus(v.times(later));
+            level += later * rise;
+        }
         let size = Size { place, bend: 1.0, linear: self.linear, constant };
         let line = Line { shift, quadric: &self.quadric, x, v, level, rise };
         line.roots(simd, ray, self.is_ruled.then_some(size), uncertain)
