@@ -225,7 +225,9 @@ pub mod section {
         SectionSettings, SectionWindow, cross_sections, section, section_with,
     };
     #[cfg(feature = "draw")]
-    pub use rayweave_draw::section::{SectionStyle, section_drawing, section_dxf, section_svg};
+    pub use rayweave_draw::section::{
+        SectionStyle, section_drawing, section_dxf, section_svg, section_with_thickness,
+    };
 }
 
 #[cfg(feature = "analysis")]

@@ -22,4 +22,4 @@ mod hatch;
 mod svg;
 
 pub use dxf::section_dxf;
-pub use svg::{SectionStyle, section_drawing, section_svg};
+pub use svg::{SectionStyle, section_drawing, section_svg, section_with_thickness};
