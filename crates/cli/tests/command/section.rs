@@ -53,7 +53,7 @@ fn drawings_of_a_stack() {
     assert!(pdf.contains(&format!("/MediaBox [0 0 {width} {height}]")), "{width} {height}");
     assert!(bench.bytes("b.jpg").starts_with(&[0xff, 0xd8, 0xff]));
     let dxf = bench.read("b.dxf");
-    assert_eq!(dxf.matches("\nPOLYLINE\n").count(), 7);
+    assert_eq!(dxf.matches("\nCIRCLE\n").count(), 7);
     assert!(dxf.contains("\nLAYER\n2\nGLASS\n") && dxf.ends_with("0\nEOF\n"), "{dxf}");
     // standard output contains only the drawing
     assert!(bench.says(&["section", "ball.toml", "-o", "-"]).starts_with("<svg "));

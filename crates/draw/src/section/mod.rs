@@ -12,10 +12,11 @@
 //! let sections = cross_sections(&scene, None, make, &[plane], &settings, &mut |_| ())?;
 //! assert!(section_svg(&sections, "a ring", "mm").contains(">ring</text>"));
 //! // two contours
-//! assert_eq!(section_dxf(&sections, "mm").matches("POLYLINE").count(), 2);
+//! assert_eq!(section_dxf(&sections, "mm").matches("CIRCLE").count(), 2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod arcs;
 mod dimension;
 mod dxf;
 mod hatch;
