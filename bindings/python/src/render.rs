@@ -6,7 +6,9 @@ use numpy::ndarray::{Array2, Array3};
 use numpy::{Element, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use rayweave::picture::{CutAway, Explosion, Opacity, Picture, PictureOptions, PictureSheet, SheetKind, WholeModel};
+use rayweave::picture::{
+    CutAway, Explosion, Opacity, Picture, PictureOptions, PictureSheet, SheetKind, WholeModel,
+};
 use rayweave::render::{PixelGrid, Size, Style, View};
 use rayweave::{AnyEvaluator, Message};
 

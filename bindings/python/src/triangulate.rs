@@ -68,7 +68,8 @@ pub fn mesh_defects(
     vertices: PyReadonlyArray2<'_, f64>,
     triangles: PyReadonlyArray2<'_, u32>,
 ) -> PyResult<(usize, usize, f64, String)> {
-    let points = vertices.as_array().rows().into_iter().map(|row| Vec3::new(row[0], row[1], row[2])).collect();
+    let points =
+        vertices.as_array().rows().into_iter().map(|row| Vec3::new(row[0], row[1], row[2])).collect();
     let corners = triangles.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
     let mesh = Mesh::new(points, corners).map_err(bad_value)?;
     let found = py.detach(|| mesh.diagnose());

@@ -51,7 +51,8 @@ impl MeshFile {
         let (unit, mut meshes) = import.meshes(read(path, format, options, &limits), &limits)?;
         if options.repair {
             for (name, mesh) in &mut meshes {
-                let (mended, done) = mesh.auto_repaired().unwrap_or_else(|| (mesh.clone(), Repair::default()));
+                let (mended, done) =
+                    mesh.auto_repaired().unwrap_or_else(|| (mesh.clone(), Repair::default()));
                 *mesh = mended;
                 import.report_repairs(&format!("the mesh of `{name}`"), &done);
             }

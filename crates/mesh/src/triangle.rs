@@ -172,9 +172,8 @@ fn is_into_corner(q: Vec3, b: Triangle) -> bool {
 fn meets_in_plane(p: Vec3, q: Vec3, b: Triangle) -> bool {
     let axis = (0..3).find(|&axis| orientation_along(b, axis) != 0).unwrap_or(0);
     let inner = orientation_along(b, axis);
-    let is_beyond = |k: usize| {
-        [p, q].iter().all(|&end| inner * orientation_along([b[k], b[(k + 1) % 3], end], axis) < 0)
-    };
+    let is_beyond =
+        |k: usize| [p, q].iter().all(|&end| inner * orientation_along([b[k], b[(k + 1) % 3], end], axis) < 0);
     let beside = b.map(|corner| orientation_along([p, q, corner], axis));
     !(0..3).any(is_beyond) && beside != [1; 3] && beside != [-1; 3]
 }

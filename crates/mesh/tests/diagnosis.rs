@@ -74,7 +74,8 @@ fn the_volume_is_unknown_where_surfaces_meet() {
     let first = cuboid(Vec3::ZERO, Vec3::splat(8.0));
     for k in 0..12 * 12 * 12 {
         let offset = [k % 12, k / 12 % 12, k / 144].map(f64::from);
-        let found = both(&first, &cuboid(offset.into(), Vec3::from_array(offset) + Vec3::splat(8.0))).diagnose();
+        let found =
+            both(&first, &cuboid(offset.into(), Vec3::from_array(offset) + Vec3::splat(8.0))).diagnose();
         // corner to corner the welded vertex is common, edge to edge the welded edge has four triangles
         let is_apart = offset.iter().any(|&x| x > 8.0) || offset == [8.0; 3];
         let is_right = found.volume().map_or(!is_apart, |volume| is_apart && (volume - 1024.0).abs() < 1e-10);

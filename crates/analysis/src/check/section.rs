@@ -56,7 +56,8 @@ fn plane_along(direction: Vec3, at: Vec3) -> Result<SectionPlane, AnalysisError>
         return SectionPlane::across(axis, at[axis]);
     }
     // the first of several equal ones
-    let axis = [1, 0, 2].into_iter().reduce(|best, axis| if slopes[axis] < slopes[best] { axis } else { best });
+    let axis =
+        [1, 0, 2].into_iter().reduce(|best, axis| if slopes[axis] < slopes[best] { axis } else { best });
     // pictures of planes across x and z are seen from +x and +z, those across y from -y
     let towards = [Vec3::X, Vec3::NEG_Y, Vec3::Z][axis.unwrap_or(1)];
     let unit = direction.normalize_or_zero();

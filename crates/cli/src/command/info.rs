@@ -49,7 +49,9 @@ impl Info {
                 terminal::warn(&meshes.warnings);
                 terminal::print(&match self.json {
                     true => format!("{:#}\n", self.mesh_file_json(meshes)),
-                    false => format!("{}: lengths in {}\n\n{}", self.model.name(), meshes.unit, meshes.text()),
+                    false => {
+                        format!("{}: lengths in {}\n\n{}", self.model.name(), meshes.unit, meshes.text())
+                    }
                 })?;
                 return match self.explain {
                     true => Err(failure),
@@ -89,7 +91,8 @@ impl Info {
         match format.or_else(|| Format::from_path(path)) {
             // a pipe can be read only once
             Some(Format::Mesh(kind)) if path.is_file() => {
-                let file = MeshFile::load(path, kind, &self.model.options()).map_err(rayweave::Error::from)?;
+                let file =
+                    MeshFile::load(path, kind, &self.model.options()).map_err(rayweave::Error::from)?;
                 Ok(Some(Meshes::new(file)))
             }
             _ => Ok(None),

@@ -120,8 +120,13 @@ impl Render {
         let mut run =
             Run { threads: global.threads, cancel: interrupt::token(), progress: Some(&mut progress) };
         let drawn = match self.sheet() {
-            Some(kind) => self.draw_sheet(kind, (&scene, &compiled, &evaluator), &mut run).map(Drawn::PictureSheet),
-            None => self.picture(&scene, &compiled, &evaluator, &mut run).map(Drawn::Picture).map_err(Failure::from),
+            Some(kind) => {
+                self.draw_sheet(kind, (&scene, &compiled, &evaluator), &mut run).map(Drawn::PictureSheet)
+            }
+            None => self
+                .picture(&scene, &compiled, &evaluator, &mut run)
+                .map(Drawn::Picture)
+                .map_err(Failure::from),
         };
         bar.finish_and_clear();
         let size = match drawn? {

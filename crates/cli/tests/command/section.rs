@@ -47,7 +47,8 @@ fn drawings_of_a_stack() {
     // the page has 3/4 points for each pixel of the drawing
     let svg = bench.read("b.svg");
     let side = |name: &str| svg.split(&format!("{name}=\"")).nth(1).unwrap().split('"').next().unwrap();
-    let [width, height] = ["width", "height"].map(|name| 0.75 * side(name).parse::<f64>().unwrap());
+    let [width, height] =
+        ["width", "height"].map(|name| (75.0 * side(name).parse::<f64>().unwrap()).round() / 100.0);
     let pdf = String::from_utf8_lossy(&bench.bytes("b.pdf")).into_owned();
     assert!(pdf.starts_with("%PDF-") && pdf.contains("(ball.toml)") && pdf.trim_end().ends_with("%%EOF"));
     assert!(pdf.contains(&format!("/MediaBox [0 0 {width} {height}]")), "{width} {height}");

@@ -139,8 +139,8 @@ fn condition(text: &str) -> Result<Condition, DrawError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rayweave_render::View;
     use rayweave_error::{Classified, ErrorKind};
+    use rayweave_render::View;
 
     #[test]
     fn conditions_are_read() {

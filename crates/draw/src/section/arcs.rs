@@ -121,7 +121,8 @@ fn through(a: Point, b: Point, c: Point) -> Option<Turn> {
 fn edges(steps: usize, at: impl Fn(usize) -> Point) -> Vec<Corner> {
     let Some(Turn { centre, sign, .. }) = through(at(0), at(steps / 2), at(steps)) else { return Vec::new() };
     let angle = |k: usize| libm::atan2(at(k)[1] - centre[1], at(k)[0] - centre[0]);
-    let between = |from: usize, to: usize| (sign * (angle(to) - angle(from))).rem_euclid(std::f64::consts::TAU);
+    let between =
+        |from: usize, to: usize| (sign * (angle(to) - angle(from))).rem_euclid(std::f64::consts::TAU);
     let parts = if between(0, steps) > WIDE { 4 } else { 1 };
     let ends: Vec<usize> = (0..=parts).map(|k| k * steps / parts).collect();
     let corner = |pair: &[usize]| Corner {
@@ -165,7 +166,10 @@ mod tests {
             let Shape::Outline(corners) = Shape::of(&contour, 1e-3) else { panic!("a circle") };
             let straight = corners.iter().filter(|corner| corner.bulge == 0.0).count();
             let sweep: f64 = corners.iter().map(|corner| 4.0 * corner.bulge.atan()).sum();
-            assert!((sweep - 2.0 * PI).abs() < 1e-12 && straight == 2 && corners.len() < 12, "{begin}: {corners:?}");
+            assert!(
+                (sweep - 2.0 * PI).abs() < 1e-12 && straight == 2 && corners.len() < 12,
+                "{begin}: {corners:?}"
+            );
         }
     }
 

@@ -73,7 +73,9 @@ pub(super) fn between(svg: &mut Svg, [a, b]: [[f64; 2]; 2], value: &str) {
     // from the lower or left end to the other one
     let is_forward = if along[1].abs() > 0.5 { along[1] < 0.0 } else { along[0] > 0.0 };
     let ([from, to], d) = if is_forward { ([a, b], along) } else { ([b, a], along.map(|x| -x)) };
-    let beside = |p: [f64; 2], by: f64, across: f64| [p[0] + by * d[0] - across * d[1], p[1] + by * d[1] + across * d[0]];
+    let beside = |p: [f64; 2], by: f64, across: f64| {
+        [p[0] + by * d[0] - across * d[1], p[1] + by * d[1] + across * d[0]]
+    };
     let line = |a: [f64; 2], b: [f64; 2]| format!("M{:.2} {:.2}L{:.2} {:.2}", a[0], a[1], b[0], b[1]);
     let tail = 3.0 * ARROW[0];
     let bars = [from, to].map(|end| line(beside(end, 0.0, -BEYOND), beside(end, 0.0, BEYOND)));
