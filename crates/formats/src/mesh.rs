@@ -29,7 +29,7 @@ pub struct MeshFile {
     pub unit: Unit,
     /// The named meshes: one for each object if all objects are closed, else one of all triangles. z is up.
     pub meshes: Vec<(String, Mesh)>,
-    /// What was unusual about the file or was repaired.
+    /// Unusual properties of the file, and repairs.
     pub warnings: Diagnostics,
 }
 

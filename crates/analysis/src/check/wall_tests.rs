@@ -145,7 +145,7 @@ fn pictures_of_slanted_walls_are_cut_along_the_chord() {
         }
         let cut = section.plane.cut().unwrap();
         let [a, b] = [ray.from, ray.to].map(|end| cut.place(end));
-        assert!((f64::hypot(b[0] - a[0], b[1] - a[1]) - 0.5).abs() < 1e-6, "{turn}");
+        assert!((libm::hypot(b[0] - a[0], b[1] - a[1]) - 0.5).abs() < 1e-6, "{turn}");
         let is_along_axes = section.plane.axis_names() != ["u", "v"];
         assert_eq!(is_along_axes, x == 0, "{turn}");
     }

@@ -199,7 +199,7 @@ fn a_mesh_file_in_numbers() {
         "placed.toml",
         "rayweave = 1\n[solid.part]\nmesh = { file = \"hollow.obj\" }\ntransform = [{ scale = 2 }, { rotate_z = 30 }]\n",
     );
-    let volume = bench.json(&["volume", "placed.toml", "--json", "--total", "300"]);
+    let volume = bench.json(&["volume", "placed.toml", "--json", "--precision", "0.05"]);
     let exact = volume["regions"][0]["volume_by_formula"].as_f64().unwrap();
     assert!((exact - 56.0).abs() < 1e-12, "{exact}");
 }
