@@ -68,7 +68,7 @@ fn the_volume_of_a_solid_counts_cavities_and_islands() {
     assert_eq!(open.diagnose().volume(), None);
 }
 
-/// Two cubes of side 8 at all whole offsets: the volume is known exactly where their surfaces have no common point.
+/// Two cubes of side 8 at all whole offsets: the exact volume exists where their surfaces have no common point.
 #[test]
 fn the_volume_is_unknown_where_surfaces_meet() {
     let first = cuboid(Vec3::ZERO, Vec3::splat(8.0));

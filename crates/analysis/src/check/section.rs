@@ -58,7 +58,7 @@ fn plane_along(direction: Vec3, at: Vec3) -> Result<SectionPlane, AnalysisError>
     // the first of several equal ones
     let axis =
         [1, 0, 2].into_iter().reduce(|best, axis| if slopes[axis] < slopes[best] { axis } else { best });
-    // pictures of planes across x and z are seen from +x and +z, those across y from -y
+    // the viewer is at +x and +z for planes across x and z, and at -y for those across y
     let towards = [Vec3::X, Vec3::NEG_Y, Vec3::Z][axis.unwrap_or(1)];
     let unit = direction.normalize_or_zero();
     SectionPlane::new(at, towards - towards.dot(unit) * unit)
