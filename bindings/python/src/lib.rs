@@ -145,7 +145,7 @@ mod _core {
     #[pymodule_export]
     use crate::timeline::{ray_timeline_svg, timeline_svg};
     #[pymodule_export]
-    use crate::triangulate::mesh_parts;
+    use crate::triangulate::{exact_volume, mesh_defects, mesh_file_parts, mesh_parts};
 
     /// Registers the class `Solid` of another module under a different name.
     #[pymodule_init]

@@ -141,7 +141,8 @@ pub fn load_model(
     PyModel::new(read.map(|imported| (imported.stated, imported.scene)), is_overridden)
 }
 
-fn unit_of(symbol: &str) -> PyResult<Unit> {
+/// A unit of length by its symbol.
+pub fn unit_of(symbol: &str) -> PyResult<Unit> {
     Unit::parse(symbol).ok_or_else(|| {
         let known = Unit::ALL.map(|(_, symbol, _)| symbol).join(", ");
         let lower = symbol.to_lowercase();

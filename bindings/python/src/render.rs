@@ -6,7 +6,9 @@ use numpy::ndarray::{Array2, Array3};
 use numpy::{Element, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use rayweave::picture::{CutAway, Explosion, Opacity, Picture, PictureOptions, PictureSheet, SheetKind};
+use rayweave::picture::{
+    CutAway, Explosion, Opacity, Picture, PictureOptions, PictureSheet, SheetKind, WholeModel,
+};
 use rayweave::render::{PixelGrid, Size, Style, View};
 use rayweave::{AnyEvaluator, Message};
 
@@ -43,7 +45,7 @@ impl RenderArguments<'_> {
     fn subject(&self, object: &Bound<'_, PyAny>) -> PyResult<Subject> {
         let mut subject = match self.opacity.is_empty() && self.cut.is_none() && self.explode.is_none() {
             true => subject_of(object)?,
-            false => self.opened(object)?,
+            false => self.opened(object, true)?,
         };
         if let Some(object) = &self.camera {
             subject.scene.camera = Some(camera_of(object)?);
@@ -55,14 +57,26 @@ impl RenderArguments<'_> {
         Ok(subject)
     }
 
-    fn opened(&self, object: &Bound<'_, PyAny>) -> PyResult<Subject> {
+    /// The subject without the cut, if there is one, for the views of a sheet that do not look onto it.
+    fn whole(&self, object: &Bound<'_, PyAny>) -> PyResult<Option<(CutAway, AnyEvaluator)>> {
+        let Some(cut) = &self.cut else { return Ok(None) };
+        let cut = cut.parse().map_err(bad_value)?;
+        let Subject { compiled, evaluator, .. } = self.opened(object, false)?;
+        let evaluator = match &self.evaluator {
+            Some(name) => AnyEvaluator::new(Some(name), compiled.program).map_err(bad_value)?,
+            None => evaluator,
+        };
+        Ok(Some((cut, evaluator)))
+    }
+
+    fn opened(&self, object: &Bound<'_, PyAny>, is_cut: bool) -> PyResult<Subject> {
         let mut scene = scene(object)?;
         let open = || {
             for (name, opacity) in &self.opacity {
                 Opacity::new(name.as_deref(), *opacity)?.apply(&mut scene)?;
             }
             scene = scene.seen();
-            if let Some(cut) = &self.cut {
+            if let Some(cut) = self.cut.as_ref().filter(|_| is_cut) {
                 scene = cut.parse::<CutAway>()?.apply(&scene)?;
             }
             if let Some(explode) = &self.explode {
@@ -124,11 +138,18 @@ pub fn sheet_svg(
     arguments: RenderArguments<'_>,
 ) -> PyResult<String> {
     let py = subject.py();
+    let whole = if is_one { None } else { arguments.whole(subject)? };
     let Subject { scene, compiled, evaluator } = &arguments.subject(subject)?;
     let kind = if is_one { SheetKind::One } else { SheetKind::Views };
     let options = arguments.options()?;
     released(py, arguments.threads()?, |run| {
-        let sheet = PictureSheet::draw(kind, scene, compiled, evaluator, &options, run)?;
+        let sheet = match &whole {
+            Some((cut, whole)) => {
+                let whole = WholeModel { cut, evaluator: whole };
+                PictureSheet::draw_cut(kind, scene, compiled, evaluator, whole, &options, run)?
+            }
+            None => PictureSheet::draw(kind, scene, compiled, evaluator, &options, run)?,
+        };
         Ok(sheet.to_svg(title))
     })
 }

@@ -149,7 +149,7 @@ impl PySection {
         rows(slf)?.call_method0("to_xarray")
     }
 
-    /// Writes the section as a picture (.svg) or as closed polylines (.dxf): see `rayweave.save_section`.
+    /// Writes the section as a picture (.svg) or as closed polylines and circles (.dxf): see `rayweave.save_section`.
     ///
     /// >>> import rayweave as rw
     /// >>> rw.section(rw.sphere(1), "z=0").save("circle.svg")

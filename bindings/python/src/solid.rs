@@ -420,7 +420,7 @@ impl PySolid {
         }
     }
 
-    /// The volume: exact for a single shape, otherwise measured by rays within 0.1 % at a confidence of 99 %. `rayweave.measure`
+    /// The volume: exact for a single shape and for a mesh whose surface does not intersect itself, otherwise measured by rays within 0.1 % at a confidence of 99 %. `rayweave.measure`
     /// returns the interval.
     ///
     /// >>> import rayweave as rw

@@ -211,6 +211,29 @@ def test_convert_takes_solids_and_models(tmp_path, model):
         assert len(rw.load(tmp_path / f"{k}.stl")) == 1
 
 
+def test_mesh_files_in_numbers(tmp_path):
+    outer, inner = rw.box(2).to_mesh(), rw.box(1).to_mesh()
+    vertices = np.concatenate([outer.vertices, inner.vertices]) + 1e3
+    hollow = rw.Mesh(vertices, np.concatenate([outer.triangles, inner.triangles + 8]))
+    # the even-odd rule makes the inner shell a cavity
+    solid = hollow.to_solid()
+    assert solid.volume == pytest.approx(7, rel=1e-12)
+    placed = solid.rotate_x(20).scale(2).translate([0, 0, 5])
+    assert placed.volume == pytest.approx(56, rel=1e-12)
+    solid.save(tmp_path / "hollow.ply")
+    found = rw.load_mesh(tmp_path / "hollow.ply")
+    assert (len(found.triangles), found.shells, found.open_edges, found.is_closed) == (24, 2, 0, True)
+    assert np.allclose(found.bounds, [[999] * 3, [1001] * 3], rtol=1e-15)
+    opened = rw.Mesh(outer.vertices, outer.triangles[:-1])
+    assert (opened.is_closed, opened.open_edges) == (False, 3) and "holes: 1" in opened.describe()
+    (tmp_path / "open.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    assert not rw.load_mesh(tmp_path / "open.off").is_closed
+    with pytest.raises(rw.RayweaveError, match="load_mesh reads .stl"):
+        rw.load_mesh(__file__)
+    with pytest.raises(FileNotFoundError):
+        rw.load_mesh(tmp_path / "none.stl")
+
+
 def test_meshes(model):
     mesh = rw.box([1, 2, 3]).to_mesh()
     assert mesh.volume == pytest.approx(6) and mesh.area == pytest.approx(22)

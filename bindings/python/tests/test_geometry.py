@@ -55,7 +55,7 @@ def test_a_stack_and_its_files(tmp_path):
     rayweave.save_section(stack, tmp_path / "stack.svg", title="a ball")
     rayweave.save_section(stack, tmp_path / "stack.dxf")
     assert (tmp_path / "stack.svg").read_text(encoding="utf-8").count('class="cut"') == 7
-    assert (tmp_path / "stack.dxf").read_text(encoding="utf-8").count("POLYLINE") == 7
+    assert (tmp_path / "stack.dxf").read_text(encoding="utf-8").count("CIRCLE") == 7
     with pytest.raises(RayweaveError, match=r"written as \.svg or \.dxf"):
         rayweave.save_section(stack, tmp_path / "stack.pdf")
 
@@ -72,6 +72,10 @@ def test_dxf_by_an_independent_reader(tmp_path):
         points = np.array([vertex.dxf.location for vertex in line.vertices])
         assert line.is_closed and np.all(points[:, 2] == 0.5)
         areas[line.dxf.layer] += signed(points[:, :2])
+    for circle in drawing.modelspace().query("CIRCLE"):
+        assert circle.dxf.center.z == 0.5 and circle.dxf.radius == pytest.approx(np.sqrt(0.75), rel=1e-9)
+        # the hole of the block and the outline of the ball
+        areas[circle.dxf.layer] += np.pi * circle.dxf.radius**2 * (-1 if circle.dxf.layer == "GLASS" else 1)
     assert areas["AIR"] == pytest.approx(0.75 * np.pi, abs=5e-3)
     assert areas["GLASS"] == pytest.approx(16 - 0.75 * np.pi, abs=5e-3)
 

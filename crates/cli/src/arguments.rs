@@ -161,6 +161,19 @@ impl ModelArguments {
         self.all_of(path, self.read(path, format, unit, &[], true)?).map(|imported| imported.scene)
     }
 
+    /// The options of the reader.
+    pub fn options(&self) -> Options {
+        Options {
+            facets: self.facets,
+            fonts: self.fonts.clone(),
+            repair: self.repair,
+            allow: self.allow.clone(),
+            strict: self.strict,
+            unit: self.unit.as_deref().and_then(Unit::parse),
+            scene_only: false,
+        }
+    }
+
     fn read(
         &self,
         path: &Path,
@@ -169,15 +182,7 @@ impl ModelArguments {
         definitions: &[(String, String)],
         scene_only: bool,
     ) -> Result<Imported, Failure> {
-        let options = Options {
-            facets: self.facets,
-            fonts: self.fonts.clone(),
-            repair: self.repair,
-            allow: self.allow.clone(),
-            strict: self.strict,
-            unit: unit.and_then(Unit::parse),
-            scene_only,
-        };
+        let options = Options { unit: unit.and_then(Unit::parse), scene_only, ..self.options() };
         let format = format.and_then(Format::from_name);
         let imported = match path == Path::new(STANDARD_INPUT) {
             true => {

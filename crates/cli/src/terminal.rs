@@ -145,13 +145,21 @@ impl Sampling {
 
     /// Shows the number of rays and the precision reached.
     pub fn show(&self, rays: u64, precision: f64) {
-        // half-widths decrease as the power -3/4 of the number of rays
-        let part = libm::pow(self.goal / precision, 4.0 / 3.0).min(1.0);
+        self.show_pair(rays, precision, [0, 1]);
+    }
+
+    /// Shows the same for one of several pairs that are measured one after the other, given the number of finished pairs and of all.
+    pub fn show_pair(&self, rays: u64, precision: f64, [done, pairs]: [usize; 2]) {
+        let part = (done as f64 + part_done(precision, self.goal)) / pairs.max(1) as f64;
         self.bar.set_position((WHOLE * part) as u64);
+        let pair = match pairs {
+            0 | 1 => String::new(),
+            _ => format!("pair {} of {pairs}, ", done + 1),
+        };
         let [now, goal] = [precision, self.goal].map(|part| short(rounded(100.0 * part, 2)));
         self.bar.set_message(match precision.is_finite() {
-            true => format!("{rays} rays, precision {now} % of {goal} %"),
-            false => format!("{rays} rays"),
+            true => format!("{pair}{rays} rays, precision {now} % of {goal} %"),
+            false => format!("{pair}{rays} rays"),
         });
     }
 
@@ -159,6 +167,11 @@ impl Sampling {
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }
+}
+
+/// The part of the rays that have been traced when a precision is reached: half-widths decrease as the power -3/4 of their number.
+fn part_done(precision: f64, goal: f64) -> f64 {
+    libm::pow(goal / precision, 4.0 / 3.0).min(1.0)
 }
 
 /// Unit of a progress bar.
@@ -220,6 +233,13 @@ pub fn short_point(p: [f64; 3]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn parts_of_a_sampling_run() {
+        assert_eq!((part_done(f64::INFINITY, 1e-3), part_done(1e-4, 1e-3)), (0.0, 1.0));
+        // eight times the precision needs 16 times the rays
+        assert!((part_done(8e-3, 1e-3) - 1.0 / 16.0).abs() < 1e-15);
+    }
 
     #[test]
     fn numbers_are_short() {

@@ -10,7 +10,7 @@ fn bars(drawing: &str) -> Vec<f64> {
 }
 
 fn histogram<'a>(name: &'a str, values: &'a [f64]) -> Histogram<'a> {
-    Histogram { name, unit: "ns", values, is_wavelength: false }
+    Histogram::new(name, "ns", values)
 }
 
 /// A square of hits in the plane x = 5, and two hits on a different sensor.
@@ -88,4 +88,14 @@ fn means_and_single_values() {
         let drawing = histograms_svg(&[histogram("time", values)], "hits");
         assert!(!bars(&drawing).is_empty() && !drawing.contains("NaN"), "{values:?}: {drawing}");
     }
+}
+
+/// Bins and range as requested: 5 values in 2 bins of [0, 4], one beyond.
+#[test]
+fn bins_and_range_can_be_chosen() {
+    let values = [0.0, 1.0, 2.5, 4.0, 9.0];
+    let chosen = Histogram { bins: Some(2), range: Some([0.0, 4.0]), ..histogram("time", &values) };
+    let svg = histograms_svg(&[chosen], "hits");
+    assert!(svg.matches("class=\"bar\"").count() == 2 && svg.contains("1 beyond the axis"), "{svg}");
+    assert!(svg.contains("hits per 2 ns"), "{svg}");
 }

@@ -1,6 +1,8 @@
 //! Camera and settings of pictures of scenes, from model files and options.
 
-use rayweave_draw::picture::{Picture, PictureKind, PictureOptions, arrange};
+use rayweave_draw::picture::{
+    CutAway, Picture, PictureKind, PictureOptions, PictureSheet, SheetKind, WholeModel, arrange,
+};
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::Vec3;
 use rayweave_render::{
@@ -122,4 +124,35 @@ fn kinds_of_pictures_have_names() {
     run.cancel.cancel();
     let cancelled = Picture::draw(PictureKind::Colour, &evaluator, &camera, &settings, &mut run);
     assert_eq!(cancelled.unwrap_err().kind(), ErrorKind::Cancelled);
+}
+
+/// Only the views that look onto a cut face are cut: a ball in a box is visible from the right, where x > 50 % is removed, and from
+/// the upper right, and hidden in the other views.
+#[test]
+fn sheets_cut_only_the_views_onto_the_cut_face() {
+    let text = "rayweave = 1\n[solid.shell]\nbox = { size = 4 }\n[solid.ball]\nsphere = { radius = 1.5 }\n\
+         [[region]]\nsolid = \"shell\"\nmedium = \"steel\"\n[[region]]\nsolid = \"ball\"\nmedium = \"gold\"\n\
+         [medium.steel]\ncolour = \"#0000ff\"\n[medium.gold]\ncolour = \"#ff0000\"";
+    let (_, scene) = rayweave_scene::parse(text).unwrap();
+    let cut: CutAway = "x>50%".parse().unwrap();
+    let open = cut.apply(&scene).unwrap();
+    let compiled = Compiled::new(&open).unwrap();
+    let evaluator = AnyEvaluator::new(None, compiled.program.clone()).unwrap();
+    let whole = AnyEvaluator::new(None, Compiled::new(&scene).unwrap().program).unwrap();
+    let options = PictureOptions {
+        size: Some(Size::new(320, 240).unwrap()),
+        style: Some(Style::Flat),
+        ..PictureOptions::default()
+    };
+    let whole = WholeModel { cut: &cut, evaluator: &whole };
+    let run = &mut Run::default();
+    let sheet =
+        PictureSheet::draw_cut(SheetKind::Views, &open, &compiled, &evaluator, whole, &options, run).unwrap();
+    let is_red = |pixel: &[u8; 4]| pixel[0] > 200 && pixel[2] < 60;
+    let shows_ball: Vec<bool> =
+        sheet.pictures().iter().map(|picture| picture.image.values().iter().any(is_red)).collect();
+    // from above, from the upper right, from the front, from the right
+    assert_eq!(shows_ball, [false, true, false, true]);
+    let svg = sheet.to_svg("box");
+    assert!(svg.contains(">right, cut</text>") && svg.contains(">top</text>"), "{}", &svg[..400]);
 }

@@ -19,7 +19,7 @@ fn a_stack_of_a_cone() {
     assert_eq!(svg.matches("class=\"cut\"").count(), 4);
     assert!(svg.contains("z = -0.75") && svg.contains("4 planes"), "{svg}");
     let text = section_dxf(&found, "mm");
-    assert_eq!(text.matches("POLYLINE").count(), 4);
+    assert_eq!(text.matches("CIRCLE").count(), 4);
 }
 
 /// Transparent parts are drawn only where there is nothing else.

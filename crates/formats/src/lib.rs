@@ -31,6 +31,7 @@ mod write;
 
 pub use format::Format;
 pub use imported::{Imported, Places};
+pub use mesh::MeshFile;
 pub use options::Options;
 pub use report::{Loss, LossKind, Report};
 pub use save::save;

@@ -21,19 +21,68 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
+/// The meshes of a file, closed or not.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct MeshFile {
+    /// The unit of length: that of the file, else of [`Options::unit`], else millimetres.
+    pub unit: Unit,
+    /// The named meshes: one for each object if all objects are closed, else one of all triangles. z is up.
+    pub meshes: Vec<(String, Mesh)>,
+    /// Unusual properties of the file, and repairs.
+    pub warnings: Diagnostics,
+}
+
+impl MeshFile {
+    /// Reads a mesh file without requiring that its meshes are closed. [`Options::repair`] repairs each as far as is safe.
+    ///
+    /// # Errors
+    ///
+    /// [`Diagnostics`]: the file cannot be read, or states a unit although [`Options::unit`] is given.
+    pub fn load(
+        path: impl AsRef<Path>,
+        format: MeshFormat,
+        options: &Options,
+    ) -> Result<MeshFile, Diagnostics> {
+        let path = path.as_ref();
+        let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
+        let limits = limits();
+        let mut import = Import::new(&source, format, options);
+        let (unit, mut meshes) = import.meshes(read(path, format, options, &limits), &limits)?;
+        if options.repair {
+            for (name, mesh) in &mut meshes {
+                let (mended, done) =
+                    mesh.auto_repaired().unwrap_or_else(|| (mesh.clone(), Repair::default()));
+                *mesh = mended;
+                import.report_repairs(&format!("the mesh of `{name}`"), &done);
+            }
+        }
+        let warnings = import.report.warnings().iter().chain(&import.warnings).cloned().collect();
+        Ok(MeshFile { unit, meshes, warnings: Diagnostics::new(warnings) })
+    }
+}
+
 /// Reads a mesh file.
 pub(crate) fn load(path: &Path, format: MeshFormat, options: &Options) -> Result<Imported, Diagnostics> {
     let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
     let limits = limits();
-    let loaded = if path.metadata().is_ok_and(|kind| !kind.is_file() && !kind.is_dir()) {
+    Import::new(&source, format, options).scene(read(path, format, options, &limits), &limits)
+}
+
+fn read(
+    path: &Path,
+    format: MeshFormat,
+    options: &Options,
+    limits: &ReadOptions,
+) -> Result<LoadedMesh, FileError> {
+    if path.metadata().is_ok_and(|kind| !kind.is_file() && !kind.is_dir()) {
         // pipes and devices have neither a length nor a folder
         let bytes = read_bytes(path).map_err(|reason| FileError::Io(io::Error::other(reason)));
-        bytes.and_then(|bytes| mesh_io::read_bytes(&bytes, format, &limits))
+        bytes.and_then(|bytes| mesh_io::read_bytes(&bytes, format, limits))
     } else {
         let files = AllowedFiles::of_model(Some(path), &options.allow);
-        mesh_io::read_allowed(path, Some(format), &limits, &files)
-    };
-    Import::new(&source, format, options).scene(loaded, &limits)
+        mesh_io::read_allowed(path, Some(format), limits, &files)
+    }
 }
 
 /// Reads a mesh from text.
@@ -75,12 +124,7 @@ impl<'a> Import<'a> {
         loaded: Result<LoadedMesh, FileError>,
         limits: &ReadOptions,
     ) -> Result<Imported, Diagnostics> {
-        let loaded = loaded.map_err(|error| Diagnostics::from(self.unreadable(&error, limits)))?;
-        let unit = self.unit(&loaded)?;
-        for warning in &loaded.warnings {
-            self.warnings.push(Diagnostic::warning(warning.clone()).in_file(self.source));
-        }
-        let objects = self.objects(loaded);
+        let (unit, objects) = self.meshes(loaded, limits)?;
         let is_one = objects.len() == 1;
         let made = objects.into_iter().map(|(name, mesh)| {
             let solid = self.solid(if is_one { None } else { Some(&name) }, mesh)?;
@@ -94,6 +138,20 @@ impl<'a> Import<'a> {
         let warnings = imported.scene.warnings.iter().chain(&self.warnings).cloned();
         imported.scene.warnings = Diagnostics::new(warnings.collect());
         Ok(imported)
+    }
+
+    /// The unit and the named meshes of a file.
+    fn meshes(
+        &mut self,
+        loaded: Result<LoadedMesh, FileError>,
+        limits: &ReadOptions,
+    ) -> Result<(Unit, Vec<(String, Mesh)>), Diagnostics> {
+        let loaded = loaded.map_err(|error| Diagnostics::from(self.unreadable(&error, limits)))?;
+        let unit = self.unit(&loaded)?;
+        for warning in &loaded.warnings {
+            self.warnings.push(Diagnostic::warning(warning.clone()).in_file(self.source));
+        }
+        Ok((unit, self.objects(loaded)))
     }
 
     fn unreadable(&self, error: &FileError, limits: &ReadOptions) -> Diagnostic {

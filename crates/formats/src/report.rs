@@ -91,14 +91,41 @@ impl Report {
     }
 }
 
-/// Returns an error for an OpenSCAD source file (`.scad`), unless a format is given explicitly.
+/// Extensions of files that are no models, with what to do about them.
+const NO_MODELS: [(&[&str], &str); 5] = [
+    (&["png", "jpg", "jpeg", "gif", "webp", "bmp", "tif", "tiff", "pdf"], ""),
+    (&["svg", "dxf"], "its outlines can be extruded: `extrude` in a model file or in Python"),
+    (
+        &["step", "stp", "iges", "igs", "brep", "fcstd", "sldprt", "f3d", "blend", "fbx", "dae"],
+        "export a mesh, such as .stl or .3mf, in the program that wrote it",
+    ),
+    (&["zmx"], "`rayweave optics` and `rayweave.optics.Prescription` read Zemax lens files"),
+    (&["csv", "npy", "npz", "parquet", "json", "root"], ""),
+];
+
+/// Returns an error for a file that is no model by its extension, and for an OpenSCAD source file (`.scad`), unless a format is
+/// given explicitly.
 pub(crate) fn refuse_program(
     source: &Arc<Source>,
     path: &Path,
     format: Option<Format>,
 ) -> Result<(), Diagnostics> {
-    let is_program = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("scad"));
-    if !is_program || format.is_some() {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    let ending = ending.as_deref().unwrap_or_default();
+    if format.is_none() && NO_MODELS.iter().any(|(endings, _)| endings.contains(&ending)) {
+        let all: Vec<String> = Format::NAMES
+            .into_iter()
+            .filter_map(Format::from_name)
+            .flat_map(|format| format.extensions().iter().map(|ending| format!(".{ending}")))
+            .collect();
+        let (_, advice) =
+            NO_MODELS.iter().find(|(endings, _)| endings.contains(&ending)).unwrap_or(&NO_MODELS[0]);
+        let problem = Diagnostic::error(format!("a .{ending} file is not a model"))
+            .why(format!("models are read from {}", all.join(", ")))
+            .suggest((!advice.is_empty()).then(|| (*advice).to_owned()));
+        return Err(Diagnostics::new(vec![problem.in_file(source)]));
+    }
+    if ending != "scad" || format.is_some() {
         return Ok(());
     }
     let problem = Diagnostic::error("OpenSCAD source files are not read")
@@ -140,6 +167,19 @@ pub(crate) fn refuse_unit(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn files_that_are_no_models_are_named() {
+        let source = Arc::new(Source::new(None, String::new()));
+        let said = |name: &str, format| {
+            refuse_program(&source, Path::new(name), format).map_err(|problems| problems.to_string())
+        };
+        for (name, advice) in [("a.PNG", ".png file"), ("b.step", "Export a mesh"), ("c.dxf", "extrude")] {
+            let text = said(name, None).unwrap_err();
+            assert!(text.contains("models are read from .toml, .csg, ") && text.contains(advice), "{text}");
+        }
+        assert!(said("a.png", Some(Format::Native)).is_ok() && said("model", None).is_ok());
+    }
 
     #[test]
     fn equal_losses_are_counted() {

@@ -25,8 +25,3 @@ pub mod analysis;
 pub mod design;
 pub mod paraxial;
 pub mod prescription;
-
-/// The code of the guide, compiled and run with the documentation tests.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/guides/lens-design.md")]
-mod guide {}

@@ -170,6 +170,11 @@ impl Polyhedron {
         Mesh::new(self.vertices.clone(), triangles).unwrap_or_default().welded()
     }
 
+    /// The volume within rounding: see [`Diagnosis::volume`], which takes O(n log n) time for n triangles.
+    pub fn volume(&self) -> Option<f64> {
+        self.to_mesh().diagnose().volume()
+    }
+
     /// The number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()

@@ -126,6 +126,58 @@ pub(crate) fn meeting(a: Triangle, b: Triangle, shared: usize) -> Meeting {
     }
 }
 
+/// True if two triangles have a common point besides their first `shared` corners, which are equal, and the edge between them,
+/// exactly. Coplanar triangles count only where their interiors overlap, and a triangle without area counts always.
+///
+/// Two surfaces of triangles whose edges all have two triangles cross each other only where this is true: a curve on both of
+/// them lies in two triangles, of which one has an edge there if they are not coplanar.
+pub(crate) fn is_in_contact(a: Triangle, b: Triangle, shared: usize) -> bool {
+    let sides = (b.map(|p| side_of(a, p)), a.map(|p| side_of(b, p)));
+    let apart = |s: [i8; 3]| s == [1; 3] || s == [-1; 3];
+    match () {
+        () if is_flat(a) || is_flat(b) => true,
+        () if apart(sides.0) || apart(sides.1) => false,
+        () if sides.0 == [0; 3] => overlap_in_plane(a, b),
+        () if shared >= 2 => false,
+        () => is_touched(a, b, sides.1, shared) || is_touched(b, a, sides.0, shared),
+    }
+}
+
+/// True if an edge of `a` has a point in `b` other than the common corner. `sides` are the sides of the corners of `a`.
+fn is_touched(a: Triangle, b: Triangle, sides: [i8; 3], shared: usize) -> bool {
+    let edges = [(0, 1), (0, 2), (1, 2)];
+    edges.into_iter().any(|(p, q)| match (sides[p], sides[q]) {
+        (0, 0) => match (shared, p) {
+            (1, 0) => is_into_corner(a[q], b),
+            _ => meets_in_plane(a[p], a[q], b),
+        },
+        // off the plane except for the common corner
+        _ if shared == 1 && p == 0 => false,
+        (from, to) => {
+            let line = [(0, 1), (1, 2), (2, 0)].map(|(k, l)| side_of([a[p], a[q], b[k]], b[l]));
+            from * to <= 0 && !(line.contains(&1) && line.contains(&-1))
+        }
+    })
+}
+
+/// True if the segment from the first corner of a triangle to a point of its plane leads into the triangle or along its edges.
+fn is_into_corner(q: Vec3, b: Triangle) -> bool {
+    let axis = (0..3).find(|&axis| orientation_along(b, axis) != 0).unwrap_or(0);
+    let inner = orientation_along(b, axis);
+    inner * orientation_along([b[0], b[1], q], axis) >= 0
+        && inner * orientation_along([b[0], q, b[2]], axis) >= 0
+}
+
+/// True if a segment in the plane of a triangle has a point in it.
+fn meets_in_plane(p: Vec3, q: Vec3, b: Triangle) -> bool {
+    let axis = (0..3).find(|&axis| orientation_along(b, axis) != 0).unwrap_or(0);
+    let inner = orientation_along(b, axis);
+    let is_beyond =
+        |k: usize| [p, q].iter().all(|&end| inner * orientation_along([b[k], b[(k + 1) % 3], end], axis) < 0);
+    let beside = b.map(|corner| orientation_along([p, q, corner], axis));
+    !(0..3).any(is_beyond) && beside != [1; 3] && beside != [-1; 3]
+}
+
 /// True if an edge of `a` without common corners crosses the interior of `b`.
 fn pierces(a: Triangle, b: Triangle, shared: usize) -> bool {
     let edges = (0..3).map(|k| (k, (k + 1) % 3)).filter(|&(p, q)| p >= shared && q >= shared);

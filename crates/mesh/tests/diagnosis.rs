@@ -46,6 +46,43 @@ fn volume_area_and_centre_have_closed_forms() {
     assert!((coarse / fine - 4.0).abs() < 0.02, "{coarse} {fine}");
 }
 
+/// The volume of the solid by the even-odd rule, in closed form, whatever the orientation of the triangles.
+#[test]
+fn the_volume_of_a_solid_counts_cavities_and_islands() {
+    let (lo, hi) = (Vec3::new(1e3, 2e3, -3e3), Vec3::new(1e3 + 9.0, 2e3 + 9.0, -3e3 + 9.0));
+    let at = |margin: f64| cuboid(lo + Vec3::splat(margin), hi - Vec3::splat(margin));
+    let nested = both(&both(&at(0.0), &at(2.0)), &at(4.0));
+    assert!((nested.diagnose().volume().unwrap() - (729.0 - 125.0 + 1.0)).abs() < 1e-9);
+    let reversed = with_triangles(&nested, |triangles| triangles.iter_mut().for_each(|t| t.swap(0, 1)));
+    assert_eq!(reversed.diagnose().volume(), nested.diagnose().volume());
+    assert_eq!(Polyhedron::new(&nested).unwrap().volume(), nested.diagnose().volume());
+    // the sum over the triangles would be 1458: 729 twice, and by the even-odd rule 0
+    assert_eq!(both(&at(0.0), &at(0.0)).diagnose().volume(), None);
+    let crossing = cuboid(lo + Vec3::splat(5.0), hi + Vec3::splat(5.0));
+    // all edges cross diagonals of faces, so that none crosses the interior of a triangle
+    let found = both(&at(0.0), &crossing).diagnose();
+    assert!(found.crossings.is_empty() && !found.contacts.is_empty() && found.volume().is_none());
+    let open = with_triangles(&at(0.0), |triangles| {
+        triangles.pop();
+    });
+    assert_eq!(open.diagnose().volume(), None);
+}
+
+/// Two cubes of side 8 at all whole offsets: the exact volume exists where their surfaces have no common point.
+#[test]
+fn the_volume_is_unknown_where_surfaces_meet() {
+    let first = cuboid(Vec3::ZERO, Vec3::splat(8.0));
+    for k in 0..12 * 12 * 12 {
+        let offset = [k % 12, k / 12 % 12, k / 144].map(f64::from);
+        let found =
+            both(&first, &cuboid(offset.into(), Vec3::from_array(offset) + Vec3::splat(8.0))).diagnose();
+        // corner to corner the welded vertex is common, edge to edge the welded edge has four triangles
+        let is_apart = offset.iter().any(|&x| x > 8.0) || offset == [8.0; 3];
+        let is_right = found.volume().map_or(!is_apart, |volume| is_apart && (volume - 1024.0).abs() < 1e-10);
+        assert!(is_right, "{offset:?} {found}");
+    }
+}
+
 #[test]
 fn holes_are_found_and_plane_ones_are_filled() {
     let open = with_triangles(&cube(), |triangles| {

@@ -48,3 +48,8 @@ id! {
     /// A region in the order of the model, counted from 1: 0 is the world outside all of them.
     RegionId
 }
+
+impl RegionId {
+    /// The world: everything outside all regions.
+    pub const WORLD: RegionId = RegionId(0);
+}

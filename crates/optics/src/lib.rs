@@ -64,8 +64,3 @@ pub use segments::{Balance, Event, Segment, Segments};
 pub use settings::{Branches, Keep, TraceSettings};
 pub use system::{Assembly, System};
 pub use trace::{RowLimit, Trace, Tracer};
-
-/// The code of the guide to gradients, compiled and run with the documentation tests.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/guides/gradient-index.md")]
-mod guide_to_gradients {}

@@ -118,7 +118,8 @@
 //! # Ok::<(), rayweave::Error>(())
 //! ```
 //!
-//! [`formats::load`] reads models of other programs and reports what was lost; [`formats::save`] writes them.
+//! [`load`] reads a model file in any format; [`formats::load`] also takes options and values of parameters, and
+//! reports what was lost; [`formats::save`] writes models.
 //!
 //! # Rendering
 //!
@@ -190,6 +191,8 @@
 //! classifies them.
 
 mod error;
+#[cfg(feature = "formats")]
+mod load;
 
 pub mod shapes;
 
@@ -225,7 +228,9 @@ pub mod section {
         SectionSettings, SectionWindow, cross_sections, section, section_with,
     };
     #[cfg(feature = "draw")]
-    pub use rayweave_draw::section::{SectionStyle, section_drawing, section_dxf, section_svg};
+    pub use rayweave_draw::section::{
+        SectionStyle, section_drawing, section_dxf, section_svg, section_with_thickness,
+    };
 }
 
 #[cfg(feature = "analysis")]
@@ -254,35 +259,55 @@ pub mod detector {
     };
 }
 
+// Without `inline` the pages of these crates would only be links, and their functions not in the index and the search.
 #[cfg(feature = "analysis")]
+#[doc(inline)]
 pub use rayweave_analysis::{AnalysisError, check, diff, distance, hits, measure, thickness};
 #[cfg(feature = "draw")]
+#[doc(inline)]
 pub use rayweave_draw::{self as draw, DrawError, layout, picture};
 #[cfg(feature = "formats")]
+#[doc(inline)]
 pub use rayweave_formats as formats;
 #[cfg(feature = "gpu")]
+#[doc(inline)]
 pub use rayweave_gpu as gpu;
 #[cfg(feature = "lens")]
+#[doc(inline)]
 pub use rayweave_lens as lens;
+#[doc(inline)]
 pub use rayweave_mesh as mesh;
 #[cfg(feature = "scene")]
+#[doc(inline)]
 pub use rayweave_mesh_io as mesh_io;
 #[cfg(feature = "optics")]
+#[doc(inline)]
 pub use rayweave_optics as optics;
 #[cfg(feature = "photon")]
+#[doc(inline)]
 pub use rayweave_photon as photon;
 #[cfg(feature = "space")]
+#[doc(inline)]
 pub use rayweave_polygon as polygon;
 #[cfg(feature = "render")]
+#[doc(inline)]
 pub use rayweave_render as render;
+#[doc(inline)]
 pub use rayweave_rootray as rootray;
 #[cfg(feature = "scene")]
+#[doc(inline)]
 pub use rayweave_scene as scene;
 #[cfg(feature = "space")]
+#[doc(inline)]
 pub use rayweave_space as space;
 #[cfg(feature = "table")]
+#[doc(inline)]
 pub use rayweave_table as table;
+#[doc(inline)]
 pub use rayweave_trace as trace;
+
+#[cfg(feature = "formats")]
+pub use load::load;
 
 pub use error::Error;
 pub use rayweave_error::{Classified, ErrorKind, Message};
@@ -310,3 +335,13 @@ struct Algebra;
 #[cfg(all(doctest, feature = "scene"))]
 #[doc = include_str!("../../../docs/tutorials/rust.md")]
 struct Tutorial;
+
+/// The Rust code of the guide to gradient-index media, compiled and run with the documentation tests.
+#[cfg(all(doctest, feature = "optics"))]
+#[doc = include_str!("../../../docs/guides/gradient-index.md")]
+struct Gradients;
+
+/// The Rust code of the guide to lens design, compiled and run with the documentation tests.
+#[cfg(all(doctest, feature = "lens"))]
+#[doc = include_str!("../../../docs/guides/lens-design.md")]
+struct LensDesign;

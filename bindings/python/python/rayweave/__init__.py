@@ -49,7 +49,7 @@ Tables of results have `to_pandas`, `to_arrow` and `to_xarray`; pictures and dra
 
 ========== ==========================================================================================================
 shapes     `sphere`, `box`, `cylinder`, `cone`, `torus`, `mesh`, `extrude`, `revolve`, ...: ``help(rayweave.cone)``
-files      `load`, `loads`, `Model.save`, `convert`: model files, OpenSCAD, GDML, STL, OBJ, PLY, OFF, 3MF, glTF
+files      `load`, `loads`, `load_mesh`, `Model.save`, `convert`: model files, OpenSCAD, GDML, STL, OBJ, PLY, OFF, 3MF, glTF
 questions  `measure`, `check`, `section`, `thickness`, `diff`, `infill`, `Solid.distance`, `Solid.explain`
 pictures   `render`, `sheet`, `timeline`
 light      `rayweave.optics`: lenses, mirrors, sources, detectors, prescriptions
@@ -92,7 +92,7 @@ from rayweave._explain import Entry, Operand, Passage, Question
 from rayweave._hit_array import Operation, array_csg, count_array
 from rayweave._infill import infill
 from rayweave._measure import Measurement, measure
-from rayweave._mesh import Mesh, from_trimesh
+from rayweave._mesh import Mesh, from_trimesh, load_mesh
 from rayweave._model import Medium, Region
 from rayweave._outline import extrude, revolve
 from rayweave._picture import Camera, Picture, render, sheet
@@ -180,6 +180,7 @@ __all__ = [
     "infill",
     "intersection",
     "load",
+    "load_mesh",
     "loads",
     "measure",
     "mesh",

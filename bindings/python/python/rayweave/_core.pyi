@@ -56,6 +56,7 @@ __all__ = [
     "diff_columns",
     "empty",
     "event_names",
+    "exact_volume",
     "extrude_outline",
     "from_polygons",
     "glass_names",
@@ -70,6 +71,8 @@ __all__ = [
     "loads_optics",
     "manuals",
     "measure_columns",
+    "mesh_defects",
+    "mesh_file_parts",
     "mesh_parts",
     "min_sep",
     "notebook_png",
@@ -1080,8 +1083,8 @@ class PhotonHits:
     def map_svg(self, title: str, cells: int | None = None) -> str:
         """Maps of the hits of each sensor as SVG, with a number of cells along their longer side."""
 
-    def spectra_svg(self, title: str) -> str:
-        """Spectra of times and wavelengths as SVG."""
+    def spectra_svg(self, title: str, bins: int | None, time: tuple[float, float] | None) -> str:
+        """Spectra of times and wavelengths as SVG, with a number of bins and the range of times."""
 
 @final
 class PhotonRun:
@@ -1384,7 +1387,7 @@ class Section:
         """The parts as an xarray Dataset with the dimension `row`: name, area, perimeter."""
 
     def save(self, path: str | PathLike[str], *, title: str = "") -> None:
-        """Writes the section as a picture (.svg) or as closed polylines (.dxf): see `rayweave.save_section`.
+        """Writes the section as a picture (.svg) or as closed polylines and circles (.dxf): see `rayweave.save_section`.
 
         >>> import rayweave as rw
         >>> rw.section(rw.sphere(1), "z=0").save("circle.svg")
@@ -1631,7 +1634,7 @@ class Solid:
 
     @property
     def volume(self) -> float:
-        """The volume: exact for a single shape, otherwise measured by rays within 0.1 % at a confidence of 99 %. `rayweave.measure`
+        """The volume: exact for a single shape and for a mesh whose surface does not intersect itself, otherwise measured by rays within 0.1 % at a confidence of 99 %. `rayweave.measure`
         returns the interval.
 
         >>> import rayweave as rw
@@ -1997,3 +2000,20 @@ def mesh_parts(
     subject: Subject, tolerance: float | None
 ) -> list[tuple[str, NDArray[np.float64], NDArray[np.uint32]]]:
     """The regions of a solid or a model as triangle meshes: see `rayweave.Mesh`."""
+
+def mesh_file_parts(
+    path: str | PathLike[str],
+    format: str | None,
+    unit: str | None,
+    repair: bool,
+    allow: Sequence[str | PathLike[str]],
+) -> list[tuple[str, NDArray[np.float64], NDArray[np.uint32]]]:
+    """The meshes of a file, closed or not: see `rayweave.load_mesh`."""
+
+def mesh_defects(
+    vertices: NDArray[np.float64], triangles: NDArray[np.uint32]
+) -> tuple[int, int, float, str]:
+    """The number of shells and of open edges, the exact volume (NaN if it is unknown), and a summary of all defects of a mesh."""
+
+def exact_volume(solid: Solid) -> float | None:
+    """The exact volume of a single shape, possibly placed; None if the volume must be measured."""

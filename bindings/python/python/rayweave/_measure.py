@@ -24,7 +24,7 @@ class Measurement(Table):
     """The measured values of R regions; `x_half_width` is half the width of the confidence interval of `x`.
 
     Lengths are in the unit of the document. Unknown values are NaN: the mass of a medium without a density, the volume
-    by formula of anything but a single shape, the centre of a region that no ray has hit.
+    by formula of anything but a single shape or mesh, the centre of a region that no ray has hit.
 
     >>> import rayweave as rw
     >>> found = rw.measure({"die": rw.box(2), "ball": rw.sphere(1).translate([5, 0, 0])})
@@ -133,9 +133,9 @@ def value_of(solid: Solid, value: str) -> Any:
     if not np.isfinite(solid.bounds).all() and solid.bounds[0, 0] < np.inf:
         word = "centroid" if value == "centre" else value
         raise _core.RayweaveError(f"the solid is unbounded: it has no {word}. Intersect it with a box.")
+    exact = _core.exact_volume(solid) if value == "volume" else None
+    if exact is not None:
+        return exact
     found = measure(solid)
-    exact = found.volume_by_formula[0]
-    if value == "volume" and np.isfinite(exact):
-        return float(exact)
     number = getattr(found, value)[0]
     return float(number) if np.ndim(number) == 0 else number

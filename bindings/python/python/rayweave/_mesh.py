@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,7 +23,7 @@ _Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh:
-    """A closed surface of triangles, as `Solid.to_mesh` and `Model.to_mesh` return it.
+    """A surface of triangles, as `Solid.to_mesh`, `Model.to_mesh` and `load_mesh` return it.
 
     >>> import rayweave as rw
     >>> rw.box([1, 2, 3]).to_mesh()
@@ -56,9 +58,47 @@ class Mesh:
 
     @property
     def volume(self) -> float:
-        """The enclosed volume, by the divergence theorem."""
-        a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
+        """The enclosed volume, by the divergence theorem; for an open mesh, a number without meaning.
+
+        Exact within rounding, if the triangles are counter-clockwise seen from outside. `Solid.volume` of `to_solid()` does
+        not depend on their orientation.
+        """
+        if len(self.triangles) == 0:
+            return 0.0
+        corners = self.vertices[self.triangles]
+        # about the centre, so that a position far away costs no digits
+        a, b, c = np.moveaxis(corners - self.bounds.mean(axis=0), 1, 0)
         return float(np.einsum("ij,ij", a, np.cross(b, c)) / 6)
+
+    @property
+    def shells(self) -> int:
+        """The number of parts that are connected by edges."""
+        return self._defects()[0]
+
+    @property
+    def open_edges(self) -> int:
+        """The number of edges with an odd number of triangles."""
+        return self._defects()[1]
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether there are triangles and no open edges, so that `to_solid` accepts the mesh."""
+        return len(self.triangles) > 0 and self.open_edges == 0
+
+    def describe(self) -> str:
+        """A summary with the number of all defects and the position of the first of each kind.
+
+        >>> import rayweave as rw
+        >>> rw.box(2).to_mesh().describe()
+        '12 triangles, 8 vertices, 1 shells'
+        """
+        return self._defects()[3]
+
+    def _defects(self) -> tuple[int, int, float, str]:
+        """Shells, open edges, volume and summary."""
+        return _core.mesh_defects(
+            np.ascontiguousarray(self.vertices, np.float64), np.ascontiguousarray(self.triangles, np.uint32)
+        )
 
     @property
     def centroid(self) -> _Array:
@@ -117,9 +157,33 @@ def from_trimesh(source: Any) -> Solid:
     return mesh(vertices, faces)
 
 
+def load_mesh(
+    path: str | PathLike[str],
+    *,
+    format: str | None = None,
+    unit: str | None = None,
+    repair: bool = False,
+    allow: Sequence[str | PathLike[str]] = (),
+) -> Mesh:
+    """The triangles of a mesh file (.stl, .obj, .ply, .off, .3mf, .gltf, .glb), closed or not, all objects in one mesh.
+
+    `load` reads closed meshes as models. The arguments are those of `load`; z is up.
+
+    >>> import rayweave as rw
+    >>> _ = rw.box([1, 2, 3]).save("block.stl")
+    >>> block = rw.load_mesh("block.stl")
+    >>> len(block.triangles), block.shells, block.is_closed, block.volume
+    (12, 1, True, 6.0)
+    """
+    return _joined(_core.mesh_file_parts(Path(path), format, unit, repair, [Path(file) for file in allow]))
+
+
 def mesh_of(subject: Subject, tolerance: float | None) -> Mesh:
     """All regions as one mesh."""
-    parts = _core.mesh_parts(subject, tolerance)
+    return _joined(_core.mesh_parts(subject, tolerance))
+
+
+def _joined(parts: list[tuple[str, _Array, NDArray[np.uint32]]]) -> Mesh:
     vertices = np.concatenate([np.zeros((0, 3)), *(points for _, points, _ in parts)])
     starts = np.cumsum([0, *(len(points) for _, points, _ in parts)])
     triangles = [corners + np.uint32(start) for (_, _, corners), start in zip(parts, starts, strict=False)]

@@ -252,7 +252,8 @@ def sheet(
     """A sheet of paper with a model from several sides and a legend of its media; a notebook shows it.
 
     The views from the front, from above and from the right are to one scale and in line with one another, each on the
-    side from which it is taken (third-angle projection, ISO 5456-2); the fourth is from the upper right.
+    side from which it is taken (third-angle projection, ISO 5456-2); the fourth is from the upper right. With `cut`, the
+    views that look onto a cut face are cut, and the others show the whole model.
 
     Parameters
     ----------

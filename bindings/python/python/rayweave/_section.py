@@ -116,7 +116,7 @@ def section(
 def save_section(
     sections: Section | Sequence[Section], path: str | PathLike[str], *, title: str = ""
 ) -> None:
-    """Writes a section, or a stack of them, as a picture (.svg) or as closed polylines with one layer per part (.dxf).
+    """Writes a section, or a stack of them, as a picture (.svg) or as closed polylines with arcs, and circles, with one layer per part (.dxf).
 
     A picture shows at most 100 planes, evenly chosen. Coordinates of a DXF file are those of the planes, in the unit of
     the model; the height is the offset of the plane.

@@ -76,12 +76,22 @@ impl PyPhotonHits {
         py.detach(|| hit_maps_svg(hits, title, "mm"))
     }
 
-    /// Spectra of times and wavelengths as SVG.
-    #[pyo3(signature = (title))]
-    fn spectra_svg(&self, py: Python<'_>, title: &str) -> String {
-        let time = Histogram { name: "time", unit: "ns", values: &self.0.time, is_wavelength: false };
-        let wavelength =
-            Histogram { name: "wavelength", unit: "nm", values: &self.0.wavelength_nm, is_wavelength: true };
+    /// Spectra of times and wavelengths as SVG, with a number of bins and the range of times.
+    #[pyo3(signature = (title, bins, time))]
+    fn spectra_svg(
+        &self,
+        py: Python<'_>,
+        title: &str,
+        bins: Option<usize>,
+        time: Option<(f64, f64)>,
+    ) -> String {
+        let range = time.map(<[f64; 2]>::from);
+        let time = Histogram { bins, range, ..Histogram::new("time", "ns", &self.0.time) };
+        let wavelength = Histogram {
+            is_wavelength: true,
+            bins,
+            ..Histogram::new("wavelength", "nm", &self.0.wavelength_nm)
+        };
         py.detach(|| histograms_svg(&[time, wavelength], title))
     }
 }

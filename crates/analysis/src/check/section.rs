@@ -8,13 +8,13 @@ use crate::section::{
 };
 use crate::subject::clipped;
 use rayweave_error::Classified;
-use rayweave_math::Bounds;
+use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Program, Region, Solid};
 use rayweave_scene::{Colour, Compiled, Scene};
 use std::sync::Arc;
 
-/// The cross-section of the model around a finding, in a plane that contains its ray; the intersection of an
-/// overlap is a separate part. `None` for a finding without a point.
+/// The cross-section of the model around a finding, in a plane that contains its ray, perpendicular to an axis if possible; the
+/// intersection of an overlap is a separate part. `None` for a finding without a point.
 ///
 /// # Errors
 ///
@@ -28,16 +28,14 @@ pub fn finding_section<E: Evaluator, X: Classified + Send + Sync + 'static>(
     let Some(at) = finding.at else { return Ok(None) };
     let whole = Compiled::new(scene)?.program.bounds();
     let diagonal = if whole.is_finite() { whole.size().length() } else { 0.0 };
-    let ray = finding.ray.map_or(rayweave_math::Vec3::ZERO, |ray| (ray.to - ray.from).abs());
+    let ray = finding.ray.map_or(Vec3::ZERO, |ray| ray.to - ray.from);
     let around = match finding.kind {
         FindingKind::Thin | FindingKind::Gap => 8.0 * finding.size.unwrap_or(0.0),
-        _ => 4.0 * ray.max_element().max(finding.size.unwrap_or(0.0)),
+        _ => 4.0 * ray.abs().max_element().max(finding.size.unwrap_or(0.0)),
     };
     let reach = around.max(1e-3 * diagonal).max(1e-9 * at.abs().max_element());
     let within = Some(Bounds::new(at, at).grown(if reach > 0.0 { reach } else { 1.0 }));
-    // a plane that contains the ray; if possible, the one seen from the front
-    let axis = if ray.y > ray.x.max(ray.z) { 0 } else { 1 };
-    let plane = SectionPlane::across(axis, at[axis])?;
+    let plane = plane_along(ray, at)?;
     let run = SectionRun { threads: settings.threads, cancel: settings.cancel.clone() };
     let section_settings = SectionSettings { by: By::Region, within, run, ..SectionSettings::default() };
     match overlapping(scene, finding) {
@@ -47,6 +45,23 @@ pub fn finding_section<E: Evaluator, X: Classified + Send + Sync + 'static>(
             Ok(sections.into_iter().next())
         }
     }
+}
+
+/// The plane through a point that contains a direction: perpendicular to y, x or z if the direction is, otherwise tilted as little
+/// as possible from the nearest of these.
+fn plane_along(direction: Vec3, at: Vec3) -> Result<SectionPlane, AnalysisError> {
+    let slopes = direction.abs() / direction.abs().max_element();
+    // a few roundings of coordinates near the origin tilt a picture by less than a pixel
+    if let Some(axis) = [1, 0, 2].into_iter().find(|&axis| slopes[axis] < 1e-6 || slopes.is_nan()) {
+        return SectionPlane::across(axis, at[axis]);
+    }
+    // the first of several equal ones
+    let axis =
+        [1, 0, 2].into_iter().reduce(|best, axis| if slopes[axis] < slopes[best] { axis } else { best });
+    // the viewer is at +x and +z for planes across x and z, and at -y for those across y
+    let towards = [Vec3::X, Vec3::NEG_Y, Vec3::Z][axis.unwrap_or(1)];
+    let unit = direction.normalize_or_zero();
+    SectionPlane::new(at, towards - towards.dot(unit) * unit)
 }
 
 /// The two regions of an overlap.

@@ -128,3 +128,25 @@ fn thinnest_walls_of_random_plates() {
     }
     assert!(exact >= 11, "{exact}");
 }
+
+/// The plane of the picture of a wall contains the chord across it, so that the wall has its thickness there.
+#[test]
+fn pictures_of_slanted_walls_are_cut_along_the_chord() {
+    for [x, y, z] in [[0, 0, 0], [0, 0, 90], [0, 30, 0], [35, 20, 10]] {
+        let turn = format!("[{{ rotate_x = {x} }}, {{ rotate_y = {y} }}, {{ rotate_z = {z} }}]");
+        let text = format!("[solid.wall]\nbox = {{ size = [0.5, 9, 9] }}\ntransform = {turn}");
+        let settings = CheckSettings { wall: Some(1.0), across: 32, ..CheckSettings::default() };
+        let (scene, report) = (scene(&text), checked(&text, &settings));
+        let wall = report.of(FindingKind::Thin).next().unwrap();
+        let section = finding_section(&scene, wall, AnyEvaluator::maker(None), &settings).unwrap().unwrap();
+        let ray = wall.ray.unwrap();
+        for end in [ray.from, ray.to] {
+            assert!((end - section.plane.point()).dot(section.plane.normal()).abs() < 1e-6, "{turn}");
+        }
+        let cut = section.plane.cut().unwrap();
+        let [a, b] = [ray.from, ray.to].map(|end| cut.place(end));
+        assert!((libm::hypot(b[0] - a[0], b[1] - a[1]) - 0.5).abs() < 1e-6, "{turn}");
+        let is_along_axes = section.plane.axis_names() != ["u", "v"];
+        assert_eq!(is_along_axes, x == 0, "{turn}");
+    }
+}

@@ -4,7 +4,7 @@ use super::pairs::Pair;
 use super::{DiffSettings, Difference, ThickestSpot};
 use crate::AnalysisError;
 use crate::error::Make;
-use crate::measure::{Estimate, MeasureSettings, MeasuredChord, measure};
+use crate::measure::{Estimate, MeasureProgress, MeasureSettings, MeasuredChord, measure_with_progress};
 use crate::survey::{Across, Faces, Piece, Survey, survey, thickness_at_middle};
 use rayweave_error::Message;
 use rayweave_math::{Bounds, Vec3};
@@ -47,7 +47,8 @@ pub struct PairComparer<'a, E> {
     make: &'a Make<'a, E>,
     settings: &'a DiffSettings,
     distance: f64,
-    progress: &'a mut dyn FnMut(u64),
+    /// Receives the number of rays, the number of finished pairs and the precision reached.
+    progress: &'a mut dyn FnMut(u64, usize, f64),
     traced: u64,
     pairs: u64,
 }
@@ -66,7 +67,7 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
         make: &'a Make<'a, E>,
         settings: &'a DiffSettings,
         distance: f64,
-        progress: &'a mut dyn FnMut(u64),
+        progress: &'a mut dyn FnMut(u64, usize, f64),
     ) -> PairComparer<'a, E> {
         PairComparer { make, settings, distance, progress, traced: 0, pairs: 0 }
     }
@@ -74,6 +75,11 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
     /// The number of rays so far.
     pub fn rays(&self) -> u64 {
         self.traced
+    }
+
+    /// The number of pairs before the current one.
+    fn finished(&self) -> usize {
+        self.pairs as usize - 1
     }
 
     pub fn compare(&mut self, pair: &Pair) -> Result<Difference, AnalysisError> {
@@ -124,10 +130,10 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
             }
         };
         let mut remeasurement = Remeasurement::new(evaluator, self.distance);
-        let (traced, progress) = (self.traced, &mut self.progress);
+        let (traced, done, progress) = (self.traced, self.finished(), &mut self.progress);
         let merge = |some: Vec<Candidate>| {
             remeasurement.add(some);
-            progress(traced);
+            progress(traced, done, f64::INFINITY);
         };
         self.traced += survey(evaluator, &settings, visit, merge)?;
         remeasurement.measure();
@@ -140,8 +146,9 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
     fn measure(&mut self, evaluator: &E, found: &mut Difference) -> Result<(), AnalysisError> {
         // the models are already clipped to the box
         let settings = MeasureSettings { within: None, ..self.settings.measure.clone() };
-        let (before, progress) = (self.traced, &mut self.progress);
-        let measured = measure(evaluator, &settings, &mut |rays| progress(before + rays))?;
+        let (before, done, progress) = (self.traced, self.finished(), &mut self.progress);
+        let mut report = |now: MeasureProgress| progress(before + now.rays, done, now.precision);
+        let measured = measure_with_progress(evaluator, &settings, &mut report)?;
         self.traced += measured.rays;
         [found.both, found.a_only, found.b_only] = [0, 1, 2].map(|k| measured.regions[k].volume);
         Ok(())

@@ -48,6 +48,20 @@ use rayweave_model::{Evaluator, Program};
 use rayweave_scene::Scene;
 use std::sync::Arc;
 
+/// The progress of a comparison.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct DiffProgress {
+    /// The number of rays so far.
+    pub rays: u64,
+    /// The number of pairs that are finished.
+    pub done: usize,
+    /// The number of all pairs.
+    pub pairs: usize,
+    /// The largest half-width of a volume of the current pair, relative to the volume; infinite while rays search for differences.
+    pub precision: f64,
+}
+
 /// Compares two models. `make` creates the evaluator of a program; `progress` receives the number of rays traced so
 /// far.
 ///
@@ -62,12 +76,29 @@ pub fn diff<E: Evaluator, X: Classified + Send + Sync + 'static>(
     settings: &DiffSettings,
     progress: &mut dyn FnMut(u64),
 ) -> Result<DiffReport, AnalysisError> {
+    diff_with_progress(a, b, make, settings, &mut |now| progress(now.rays))
+}
+
+/// Like [`diff`]; `progress` receives the number of finished pairs and the precision reached as well.
+///
+/// # Errors
+///
+/// The errors of [`diff`].
+pub fn diff_with_progress<E: Evaluator, X: Classified + Send + Sync + 'static>(
+    a: &Scene,
+    b: &Scene,
+    make: impl Fn(Arc<Program>) -> Result<E, X>,
+    settings: &DiffSettings,
+    progress: &mut dyn FnMut(DiffProgress),
+) -> Result<DiffReport, AnalysisError> {
     check(settings)?;
     let (by, pairs) = pairs(a, b, settings)?;
     let bounds = comparer::bounds_of(&pairs)?;
     let distance = settings.distance.unwrap_or(1e-9 * bounds.size().length());
     let make = maker(make);
-    let mut comparer = comparer::PairComparer::new(&make, settings, distance, progress);
+    let count = pairs.len();
+    let mut report = |rays, done, precision| progress(DiffProgress { rays, done, pairs: count, precision });
+    let mut comparer = comparer::PairComparer::new(&make, settings, distance, &mut report);
     let differences =
         pairs.iter().map(|pair| comparer.compare(pair)).collect::<Result<Vec<_>, AnalysisError>>()?;
     Ok(DiffReport { unit: a.unit, by, distance, pairs: differences, rays: comparer.rays() })

@@ -208,3 +208,19 @@ fn thicknesses_of_curved_differences_are_perpendicular() {
     let thickness = report.pairs[0].spot.unwrap().thickness;
     assert!(!report.is_same() && thickness <= sagitta * (1.0 + 1e-9), "{thickness} of {sagitta}");
 }
+
+/// Rays never decrease, pairs are finished in order, and each ends at the requested precision.
+#[test]
+fn progress_has_pairs_and_precision() {
+    let other = TWO.replace("radius = 1", "radius = 1.1");
+    let mut seen = Vec::new();
+    let mut progress = |now: DiffProgress| seen.push(now);
+    let (a, b) = (scene(TWO), scene(&other));
+    let report = diff_with_progress(&a, &b, AnyEvaluator::maker(None), &quick(), &mut progress).unwrap();
+    assert!(seen.windows(2).all(|pair| pair[0].rays <= pair[1].rays && pair[0].done <= pair[1].done));
+    for done in 0..2 {
+        let last = seen.iter().rfind(|now| now.done == done).unwrap();
+        assert!(last.pairs == 2 && last.precision < 0.1, "{last:?}");
+    }
+    assert!(seen.last().unwrap().rays <= report.rays);
+}

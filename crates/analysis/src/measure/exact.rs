@@ -3,8 +3,8 @@
 use rayweave_model::{Node, Solid};
 
 /// The exact volume of a solid that is a single primitive under transforms and names, if the primitive has a
-/// closed form (see its manual page); `inf` if it is unbounded. `None` for all other solids, which have to be
-/// measured.
+/// closed form (see its manual page); `inf` if it is unbounded. The volume of a mesh is the sum over its triangles. `None`
+/// for all other solids, which have to be measured.
 pub fn exact_volume(solid: &Solid) -> Option<f64> {
     let (mut solid, mut factor) = (solid, 1.0);
     loop {

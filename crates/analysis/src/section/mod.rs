@@ -2,10 +2,10 @@
 //!
 //! Parallel rays, *scan lines* (the option `columns` is their minimum number), sweep the plane. The crossings of a
 //! scan line are exact. Two neighbouring scan lines with the same faces are joined by straight edges if a third scan
-//! line halfway between them agrees within a tolerance; otherwise the gap is halved, until it is as narrow as the
-//! tolerance. A remaining difference becomes a *wall*, an edge along the scan lines. The points of an edge therefore
-//! lie on the surfaces up to rounding error, edges deviate by at most the tolerance, and walls are within half a
-//! tolerance of their true position.
+//! line halfway between them agrees within a tolerance; otherwise the gap is halved, until it is as narrow as a few hundred
+//! rounding errors. A remaining difference becomes a *wall*, an edge along the scan lines. The points of an edge, corners
+//! included, therefore lie on the surfaces up to rounding error, and edges deviate by at most the tolerance. Straight
+//! edges stay straight: the points at their ends are kept when others are left out.
 //!
 //! Scan lines are evenly spaced, with additional ones at both ends and in the middle of the box of every leaf. A
 //! part that lies between scan lines is missed; such a part is thinner than their spacing and contains neither

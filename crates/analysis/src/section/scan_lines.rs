@@ -69,6 +69,9 @@ enum Gap {
 /// Refinement stops at this number of scan lines; a sweep has fewer than twice as many.
 const MAX_COLUMNS: usize = 1 << 20;
 
+/// The width of gaps with jumps, relative to the largest coordinate across the scan lines.
+const FINEST: f64 = 1e-13;
+
 /// Scan lines per batch.
 const CHUNK: usize = 1024;
 
@@ -79,6 +82,8 @@ pub struct ScanLines<'a, E: Evaluator> {
     cut: &'a Cut,
     window: &'a SectionWindow,
     run: &'a SectionRun,
+    /// The width of a gap that holds a jump: its position is that of corners and of edges along the scan lines.
+    finest: f64,
     /// The size of all scan lines so far, in bytes.
     bytes: u64,
     growth: Growth,
@@ -92,7 +97,9 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         run: &'a SectionRun,
     ) -> ScanLines<'a, E> {
         let (scratch, growth) = (evaluator.scratch(), Growth::default());
-        ScanLines { evaluator, scratch, cut, window, run, bytes: 0, growth }
+        // a few hundred roundings of the coordinates
+        let finest = FINEST * window.lo[0].abs().max(window.hi[0].abs());
+        ScanLines { evaluator, scratch, cut, window, run, finest, bytes: 0, growth }
     }
 
     /// Traces and refines all scan lines; returns them from left to right.
@@ -170,7 +177,7 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         let is_smooth = left.is_like(middle) && middle.is_like(right);
         match () {
             () if is_smooth && (0..middle.passes.len()).all(is_straight) => Gap::Smooth,
-            () if right.u - left.u <= 2.0 * tolerance => Gap::Jump,
+            () if right.u - left.u <= 2.0 * tolerance.min(self.finest) => Gap::Jump,
             // the gap is as narrow as f64 can represent
             () if middle.u <= left.u || middle.u >= right.u => Gap::Jump,
             () => Gap::Unknown,

@@ -11,7 +11,7 @@ use rayweave::check::{
 };
 use rayweave::photon::lint;
 use rayweave::scene::Scene;
-use rayweave::section::section_svg;
+use rayweave::section::{section_svg, section_with_thickness};
 use rayweave::table::{Part, TableWriter};
 use rayweave::{AnyEvaluator, Packets};
 use serde_json::{Value, json};
@@ -86,7 +86,7 @@ pub struct Check {
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = kinds)]
     fail_on: Vec<Kinds>,
 
-    /// Write a picture of each located finding into this folder, cut along its ray
+    /// Write a picture of each located finding into this folder, cut along its ray; those of walls and gaps show the thickness
     #[arg(long, value_name = "FOLDER")]
     pictures: Option<PathBuf>,
 
@@ -211,7 +211,16 @@ impl Check {
             if let Some(section) = finding_section(scene, finding, AnyEvaluator::maker(None), settings)? {
                 let title = title(finding, report);
                 let path = folder.join(format!("{number}-{}.svg", finding.kind.name()));
-                drawing::save(&path, &section_svg(&[section], &title, report.unit.symbol()), &title)?;
+                let unit = report.unit.symbol();
+                let is_thickness = matches!(finding.kind, FindingKind::Thin | FindingKind::Gap);
+                let svg = match (finding.ray, finding.size) {
+                    (Some(ray), Some(size)) if is_thickness => {
+                        let text = format!("{} {unit}", terminal::short3(size));
+                        section_with_thickness(&section, &title, unit, [ray.from, ray.to], &text)
+                    }
+                    _ => section_svg(&[section], &title, unit),
+                };
+                drawing::save(&path, &svg, &title)?;
                 written.push(path);
             }
         }

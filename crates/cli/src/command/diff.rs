@@ -2,10 +2,13 @@
 
 use crate::arguments::{GlobalArguments, ModelArguments, WithinArguments};
 use crate::failure::Failure;
-use crate::{drawing, interrupt, interval, terminal};
+use crate::terminal::{self, Sampling};
+use crate::{drawing, interrupt, interval};
 use clap::{Args, ValueEnum};
 use rayweave::AnyEvaluator;
-use rayweave::diff::{DiffReport, DiffSettings, Difference, Match, ThickestSpot, diff, diff_section};
+use rayweave::diff::{
+    DiffProgress, DiffReport, DiffSettings, Difference, Match, ThickestSpot, diff_section, diff_with_progress,
+};
 use rayweave::measure;
 use rayweave::scene::Scene;
 use rayweave::section::{SectionPlane, section_svg};
@@ -114,10 +117,10 @@ impl Diff {
         let (format, unit) = (self.other_format.as_deref(), self.other_unit.as_deref());
         let (a, b) = (self.model.load()?, self.model.load_other(&self.other, format, unit)?);
         let settings = self.settings(global)?;
-        let bar = terminal::counter("rays", global.quiet);
-        let make = AnyEvaluator::maker(None);
-        let report = diff(&a, &b, make, &settings, &mut |rays| bar.set_position(rays));
-        bar.finish_and_clear();
+        let bar = Sampling::new(settings.measure.precision, global.quiet);
+        let mut progress = |now: DiffProgress| bar.show_pair(now.rays, now.precision, [now.done, now.pairs]);
+        let report = diff_with_progress(&a, &b, AnyEvaluator::maker(None), &settings, &mut progress);
+        bar.finish();
         let report = report?;
         self.out.as_ref().map_or(Ok(()), |path| self.draw(path, [&a, &b], &report, &settings))?;
         terminal::print(&match self.json {

@@ -5,14 +5,19 @@ use crate::command::tree;
 use crate::failure::Failure;
 use crate::terminal;
 use clap::Args;
+use rayweave::formats::{Format, MeshFile};
+use rayweave::mesh::{Diagnosis, Mesh};
 use rayweave::model::simplify::{FormulaSize, PassReport, Preparation, Removal};
 use rayweave::model::{Leaf, LeafKind};
-use rayweave::scene::Scene;
+use rayweave::scene::{Diagnostics, Scene, Unit};
 use rayweave::{Bounds, Compiled, Program};
 use serde_json::{Value, json};
 use std::collections::HashSet;
 
-/// Print the contents of a model: regions, media, the tree of solids, bounds, statistics
+/// Print the contents of a model: regions, media, the tree of solids, bounds, statistics; of a mesh file also its triangles
+///
+/// A mesh file (STL, OBJ, PLY, OFF, 3MF, glTF) need not be closed. The table of its meshes contains the numbers of triangles, shells and
+/// open edges, the area, and the exact volume, if the mesh is closed and its surface does not intersect itself.
 #[derive(Args)]
 pub struct Info {
     #[command(flatten)]
@@ -37,7 +42,24 @@ pub struct Info {
 
 impl Info {
     pub fn run(&self) -> Result<(), Failure> {
-        let scene = self.model.import_scene()?;
+        let meshes = self.meshes()?;
+        let scene = match (self.model.import_scene(), &meshes) {
+            // an open mesh is no model, but its triangles can be described
+            (Err(failure), Some(meshes)) if meshes.is_any_open() => {
+                terminal::warn(&meshes.warnings);
+                terminal::print(&match self.json {
+                    true => format!("{:#}\n", self.mesh_file_json(meshes)),
+                    false => {
+                        format!("{}: lengths in {}\n\n{}", self.model.name(), meshes.unit, meshes.text())
+                    }
+                })?;
+                return match self.explain {
+                    true => Err(failure),
+                    false => Ok(()),
+                };
+            }
+            (scene, _) => scene?,
+        };
         let compiled = Compiled::new(&scene)?;
         let preparations = match self.explain {
             true => Preparation::of_regions(&scene.model_regions()).map_err(rayweave::Error::from)?,
@@ -46,6 +68,9 @@ impl Info {
         terminal::print(&match self.json {
             true => {
                 let mut json = self.as_json(&scene, &compiled);
+                if let Some(meshes) = &meshes {
+                    json["meshes"] = meshes.json();
+                }
                 if self.explain {
                     json["preparation"] = preparations.iter().map(preparation_json).collect();
                 }
@@ -53,9 +78,29 @@ impl Info {
             }
             false => {
                 let texts = preparations.iter().map(|p| format!("\n{}", p.text(self.lines)));
-                self.as_text(&scene, &compiled) + &texts.collect::<String>()
+                let meshes = meshes.map(|meshes| format!("\n{}", meshes.text())).unwrap_or_default();
+                self.as_text(&scene, &compiled) + &meshes + &texts.collect::<String>()
             }
         })
+    }
+
+    /// The meshes of a mesh file; `None` for models of other formats and for standard input.
+    fn meshes(&self) -> Result<Option<Meshes>, Failure> {
+        let format = self.model.format.as_deref().and_then(Format::from_name);
+        let path = &self.model.model;
+        match format.or_else(|| Format::from_path(path)) {
+            // a pipe can be read only once
+            Some(Format::Mesh(kind)) if path.is_file() => {
+                let file =
+                    MeshFile::load(path, kind, &self.model.options()).map_err(rayweave::Error::from)?;
+                Ok(Some(Meshes::new(file)))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    fn mesh_file_json(&self, meshes: &Meshes) -> Value {
+        json!({ "model": self.model.name(), "unit": meshes.unit.symbol(), "meshes": meshes.json() })
     }
 
     fn as_text(&self, scene: &Scene, compiled: &Compiled) -> String {
@@ -233,4 +278,72 @@ fn leaf_json(program: &Program, leaf: Leaf<'_>) -> Value {
         "faces": faces,
         "bounds": bounds_json(&program.leaf_bounds(leaf.id())),
     })
+}
+
+/// The meshes of a file, with their defects.
+struct Meshes {
+    unit: Unit,
+    meshes: Vec<(String, Mesh, Diagnosis)>,
+    warnings: Diagnostics,
+}
+
+impl Meshes {
+    fn new(file: MeshFile) -> Meshes {
+        let diagnosed = file.meshes.into_iter().map(|(name, mesh)| {
+            let diagnosis = mesh.diagnose();
+            (name, mesh, diagnosis)
+        });
+        Meshes { unit: file.unit, meshes: diagnosed.collect(), warnings: file.warnings }
+    }
+
+    fn is_any_open(&self) -> bool {
+        self.meshes.iter().any(|(.., diagnosis)| !diagnosis.is_closed() || diagnosis.is_flat)
+    }
+
+    fn text(&self) -> String {
+        let header = ["mesh", "triangles", "vertices", "shells", "closed", "area", "volume", "bounds"];
+        let is_number = [false, true, true, true, false, true, true, false];
+        let rows = self.meshes.iter().map(|(name, mesh, diagnosis)| {
+            let closed = match diagnosis.open_edges {
+                0 => "yes".to_owned(),
+                1 => "no: 1 open edge".to_owned(),
+                edges => format!("no: {edges} open edges"),
+            };
+            vec![
+                name.clone(),
+                diagnosis.triangles.to_string(),
+                diagnosis.vertices.to_string(),
+                diagnosis.components.len().to_string(),
+                closed,
+                terminal::short(mesh.area()),
+                diagnosis.volume().map_or_else(|| "unknown".to_owned(), terminal::short),
+                bounds_text(&mesh.bounds()),
+            ]
+        });
+        let mut text = terminal::table(&header, &rows.collect::<Vec<_>>(), &is_number);
+        // the reader of models reports defects of closed meshes
+        let open = self.meshes.iter().filter(|(.., diagnosis)| !diagnosis.is_closed() || diagnosis.is_flat);
+        for (name, _, diagnosis) in open {
+            text += &format!("{name} is not a solid: {diagnosis}\n");
+        }
+        text
+    }
+
+    fn json(&self) -> Value {
+        let mesh = |(name, mesh, diagnosis): &(String, Mesh, Diagnosis)| {
+            json!({
+                "name": name,
+                "triangles": diagnosis.triangles,
+                "vertices": diagnosis.vertices,
+                "shells": diagnosis.components.len(),
+                "is_closed": diagnosis.is_closed(),
+                "is_sound": diagnosis.is_sound(),
+                "open_edges": diagnosis.open_edges,
+                "area": mesh.area(),
+                "volume": diagnosis.volume(),
+                "bounds": bounds_json(&mesh.bounds()),
+            })
+        };
+        self.meshes.iter().map(mesh).collect()
+    }
 }

@@ -168,7 +168,7 @@ impl Optics {
         let mut paths = self.paths.is_some().then(Paths::default);
         let summary =
             self.trace(global, (&optics, part.as_ref()), &system, unit, (&mut detectors, &mut paths))?;
-        self.draw_layout(&optics, &system, unit)?;
+        self.draw_layout(&optics, &system, &sequence, unit)?;
         let drawn = self.drawn(&detectors, detector, &summary.balance)?;
         self.draw_detector(drawn, &fields, unit)?;
         self.write_paths(paths.as_ref(), &system, &summary.balance)?;
@@ -248,10 +248,18 @@ impl Optics {
         Ok(self.part.part("optics segments", settings, optics.sources.count()))
     }
 
-    fn draw_layout(&self, optics: &OpticalScene, system: &System, unit: &str) -> Result<(), Failure> {
+    /// Draws the layout; that of a lens file only with rays that pass its surfaces in order.
+    fn draw_layout(
+        &self,
+        optics: &OpticalScene,
+        system: &System,
+        sequence: &[usize],
+        unit: &str,
+    ) -> Result<(), Failure> {
         let Some(path) = &self.layout else { return Ok(()) };
         let options = LayoutOptions { plane: self.plane, rays: self.rays, colour: self.colour.into() };
-        let layout = OpticalLayout::new(system, &optics.sources, &optics.settings, &options, Packets::new)?;
+        let (light, settings) = (&optics.sources, &optics.settings);
+        let layout = OpticalLayout::new_in_order(system, sequence, light, settings, &options, Packets::new)?;
         drawing::save(path, &layout.to_svg(&self.model.name(), unit), &self.model.name())
     }
 

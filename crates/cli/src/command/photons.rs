@@ -368,9 +368,9 @@ impl Simulation {
             drawing::save(path, &hit_maps_svg(hits, &name, "mm"), &name)?;
         }
         let Some(path) = &self.spectra else { return Ok(()) };
-        let time = Histogram { name: "time", unit: "ns", values: &hits.time, is_wavelength: false };
+        let time = Histogram::new("time", "ns", &hits.time);
         let wavelength =
-            Histogram { name: "wavelength", unit: "nm", values: &hits.wavelength_nm, is_wavelength: true };
+            Histogram { is_wavelength: true, ..Histogram::new("wavelength", "nm", &hits.wavelength_nm) };
         let title = format!("Hits: {name}");
         drawing::save(path, &histograms_svg(&[time, wavelength], &title), &title)
     }

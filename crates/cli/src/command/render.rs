@@ -9,7 +9,8 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use rayweave::draw::DrawError;
 use rayweave::picture::{
-    CutAway, Explosion, Opacity, Picture, PictureKind, PictureOptions, PictureSheet, SheetKind, arrange,
+    CutAway, Explosion, Opacity, Picture, PictureKind, PictureOptions, PictureSheet, SheetKind, WholeModel,
+    arrange,
 };
 use rayweave::render::{RenderOptions, Run, Size, Style, View};
 use rayweave::scene::Scene;
@@ -36,7 +37,7 @@ pub struct Render {
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<Size>,
 
-    /// View the whole model from this side, without perspective; `sheet` draws four views to scale and a legend
+    /// View the whole model from this side, without perspective; `sheet` draws four views to scale and a legend; with --cut, the views that look onto a cut face are cut
     #[arg(long, value_parser = PossibleValuesParser::new(View::ALL.map(View::name).into_iter().chain([SHEET])))]
     view: Option<String>,
 
@@ -107,7 +108,7 @@ const STYLES: [(&str, Style); 3] =
 impl Render {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let out = self.out()?;
-        let scene = self.scene()?;
+        let scene = self.scene(true)?;
         let compiled = Compiled::new(&scene)?;
         let part = self.part(&scene, &compiled, &out)?;
         if self.part.is_done(part.iter().map(|part| (out.as_path(), part)), global.quiet) {
@@ -119,9 +120,13 @@ impl Render {
         let mut run =
             Run { threads: global.threads, cancel: interrupt::token(), progress: Some(&mut progress) };
         let drawn = match self.sheet() {
-            Some(kind) => PictureSheet::draw(kind, &scene, &compiled, &evaluator, &self.options(), &mut run)
-                .map(Drawn::PictureSheet),
-            None => self.picture(&scene, &compiled, &evaluator, &mut run).map(Drawn::Picture),
+            Some(kind) => {
+                self.draw_sheet(kind, (&scene, &compiled, &evaluator), &mut run).map(Drawn::PictureSheet)
+            }
+            None => self
+                .picture(&scene, &compiled, &evaluator, &mut run)
+                .map(Drawn::Picture)
+                .map_err(Failure::from),
         };
         bar.finish_and_clear();
         let size = match drawn? {
@@ -163,9 +168,31 @@ impl Render {
         &self.model.model
     }
 
-    /// The model to draw, or one of its solids, cut or exploded as requested.
-    fn scene(&self) -> Result<Scene, Failure> {
-        let cut: Option<CutAway> = self.cut.as_deref().map(str::parse).transpose()?;
+    /// The part to remove.
+    fn cut_away(&self) -> Result<Option<CutAway>, DrawError> {
+        self.cut.as_deref().map(str::parse).transpose()
+    }
+
+    /// Draws a sheet; views that do not look onto a cut face show the whole model.
+    fn draw_sheet(
+        &self,
+        kind: SheetKind,
+        (scene, compiled, evaluator): (&Scene, &Compiled, &AnyEvaluator),
+        run: &mut Run<'_>,
+    ) -> Result<PictureSheet, Failure> {
+        let options = self.options();
+        let Some(cut) = self.cut_away()?.filter(|_| kind == SheetKind::Views) else {
+            return Ok(PictureSheet::draw(kind, scene, compiled, evaluator, &options, run)?);
+        };
+        let whole = Compiled::new(&self.scene(false)?)?;
+        let whole = AnyEvaluator::new(self.subject.evaluator.as_deref(), whole.program)?;
+        let whole = WholeModel { cut: &cut, evaluator: &whole };
+        Ok(PictureSheet::draw_cut(kind, scene, compiled, evaluator, whole, &options, run)?)
+    }
+
+    /// The model to draw, or one of its solids, exploded and, with `is_cut`, cut as requested.
+    fn scene(&self, is_cut: bool) -> Result<Scene, Failure> {
+        let cut = self.cut_away()?.filter(|_| is_cut);
         let explosion: Option<Explosion> = self.explode.as_deref().map(str::parse).transpose()?;
         let opacities = self.opacity.iter().map(|text| text.parse());
         let opacities: Vec<Opacity> = opacities.collect::<Result<_, _>>()?;

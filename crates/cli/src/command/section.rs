@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// Cut a model by a plane, or a stack of planes: areas, contours, pictures, DXF
 ///
 /// Contours follow the surfaces within a tolerance. The table lists the area of each medium. An .svg, .pdf, .png or .jpg file is a picture,
-/// coloured by medium, with a legend. A .dxf file has closed polylines on a layer for each medium, at the height of the plane.
+/// coloured by medium, with a legend. A .dxf file has closed polylines with arcs, and circles, on a layer for each medium, at the height of the plane.
 /// Pictures of a stack show at most 100 planes; a .dxf file contains all planes.
 #[derive(Args)]
 pub struct Section {

@@ -30,6 +30,19 @@ fn findings_with_places() {
     );
 }
 
+/// The picture of a slanted wall shows its thickness between two arrows.
+#[test]
+fn pictures_of_walls_have_dimensions() {
+    let bench = Bench::new();
+    bench.write(
+        "wall.toml",
+        "rayweave = 1\n[solid.wall]\nbox = { size = [0.5, 9, 9] }\ntransform = [{ rotate_x = 35 }, { rotate_y = 20 }, { rotate_z = 10 }]\n",
+    );
+    bench.says(&["check", "wall.toml", "--wall", "1", "--cells", "32", "--pictures", "found"]);
+    let picture = bench.read("found/1-thin.svg");
+    assert!(picture.contains(">0.5 mm</text>") && picture.contains(r#"class="thickness""#), "{picture}");
+}
+
 #[test]
 fn exit_codes_and_json() {
     let bench = bench();

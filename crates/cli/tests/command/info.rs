@@ -156,3 +156,66 @@ fn how_a_model_is_prepared_in_numbers() {
     assert_eq!(model["bounds_of_leaves"], json!([[-20.0, -10.0, -5.0], [62.0, 10.0, 32.0]]));
     assert_eq!(bench.json(&["info", "plate.toml", "--json"])["preparation"], json!(null));
 }
+
+/// A cube of side 2 with a cavity of side 1 as text, without the last `missing` of its triangles.
+fn hollow_cube(missing: usize) -> String {
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let (mut vertices, mut triangles) = (String::new(), Vec::new());
+    for (shell, side) in [2.0, 1.0].into_iter().enumerate() {
+        for k in 0..8 {
+            let at = |axis: usize| 10.0 + if k >> axis & 1 == 1 { 0.5 * side } else { -0.5 * side };
+            vertices += &format!("v {} {} {}\n", at(0), at(1), at(2));
+        }
+        for [a, b, c, d] in faces.map(|face| face.map(|corner| corner + 8 * shell + 1)) {
+            // the cavity is clockwise seen from outside
+            let [b, d] = if shell == 0 { [b, d] } else { [d, b] };
+            triangles.extend([format!("f {a} {b} {c}\n"), format!("f {a} {c} {d}\n")]);
+        }
+    }
+    triangles.truncate(24 - missing);
+    vertices + &triangles.concat()
+}
+
+#[test]
+fn a_mesh_file_in_numbers() {
+    let bench = Bench::new();
+    bench.write("hollow.obj", hollow_cube(0));
+    let facts = bench.json(&["info", "hollow.obj", "--json"]);
+    let mesh = &facts["meshes"][0];
+    assert_eq!(
+        (&mesh["triangles"], &mesh["shells"], &mesh["is_closed"]),
+        (&json!(24), &json!(2), &json!(true))
+    );
+    assert_eq!((&mesh["volume"], &mesh["area"]), (&json!(7.0), &json!(30.0)));
+    assert_eq!(mesh["bounds"], json!([[9.0, 9.0, 9.0], [11.0, 11.0, 11.0]]));
+    assert_eq!(facts["regions"].as_array().unwrap().len(), 1);
+    let text = bench.says(&["info", "hollow.obj"]);
+    assert!(
+        text.contains("hollow         24        16       2  yes       30       7  (9, 9, 9) to (11, 11, 11)"),
+        "{text}"
+    );
+    // the volume is exact where a model places the mesh
+    bench.write(
+        "placed.toml",
+        "rayweave = 1\n[solid.part]\nmesh = { file = \"hollow.obj\" }\ntransform = [{ scale = 2 }, { rotate_z = 30 }]\n",
+    );
+    let volume = bench.json(&["volume", "placed.toml", "--json", "--precision", "0.05"]);
+    let exact = volume["regions"][0]["volume_by_formula"].as_f64().unwrap();
+    assert!((exact - 56.0).abs() < 1e-12, "{exact}");
+}
+
+#[test]
+fn an_open_mesh_file_in_numbers() {
+    let bench = Bench::new();
+    bench.write("open.obj", hollow_cube(1));
+    let mesh = bench.json(&["info", "open.obj", "--json"])["meshes"][0].clone();
+    assert_eq!((&mesh["is_closed"], &mesh["open_edges"]), (&json!(false), &json!(3)));
+    assert_eq!((&mesh["volume"], &mesh["area"]), (&json!(null), &json!(29.5)));
+    let text = bench.says(&["info", "open.obj"]);
+    assert!(text.contains("no: 3 open edges") && text.contains("open is not a solid"), "{text}");
+    // the model is repaired, and so is the mesh
+    let repaired = bench.run(&["info", "open.obj", "--json", "--repair"]);
+    assert!(repaired.code == 0 && repaired.err.contains("1 plane holes filled"), "{}", repaired.err);
+    let facts: serde_json::Value = serde_json::from_str(&repaired.out).unwrap();
+    assert_eq!(facts["meshes"][0]["volume"], json!(7.0));
+}

@@ -47,13 +47,14 @@ fn drawings_of_a_stack() {
     // the page has 3/4 points for each pixel of the drawing
     let svg = bench.read("b.svg");
     let side = |name: &str| svg.split(&format!("{name}=\"")).nth(1).unwrap().split('"').next().unwrap();
-    let [width, height] = ["width", "height"].map(|name| 0.75 * side(name).parse::<f64>().unwrap());
+    let [width, height] =
+        ["width", "height"].map(|name| (75.0 * side(name).parse::<f64>().unwrap()).round() / 100.0);
     let pdf = String::from_utf8_lossy(&bench.bytes("b.pdf")).into_owned();
     assert!(pdf.starts_with("%PDF-") && pdf.contains("(ball.toml)") && pdf.trim_end().ends_with("%%EOF"));
     assert!(pdf.contains(&format!("/MediaBox [0 0 {width} {height}]")), "{width} {height}");
     assert!(bench.bytes("b.jpg").starts_with(&[0xff, 0xd8, 0xff]));
     let dxf = bench.read("b.dxf");
-    assert_eq!(dxf.matches("\nPOLYLINE\n").count(), 7);
+    assert_eq!(dxf.matches("\nCIRCLE\n").count(), 7);
     assert!(dxf.contains("\nLAYER\n2\nGLASS\n") && dxf.ends_with("0\nEOF\n"), "{dxf}");
     // standard output contains only the drawing
     assert!(bench.says(&["section", "ball.toml", "-o", "-"]).starts_with("<svg "));

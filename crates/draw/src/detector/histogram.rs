@@ -16,6 +16,17 @@ pub struct Histogram<'a> {
     pub values: &'a [f64],
     /// True for wavelengths in nm: bars have the colours of light.
     pub is_wavelength: bool,
+    /// The number of bins; by default about 60 of a round width, fewer for few values.
+    pub bins: Option<usize>,
+    /// The ends of the axis; values beyond are left out of the bins. By default the range of the values, without a long tail.
+    pub range: Option<[f64; 2]>,
+}
+
+impl<'a> Histogram<'a> {
+    /// A histogram with the default bins and range.
+    pub fn new(name: &'a str, unit: &'a str, values: &'a [f64]) -> Histogram<'a> {
+        Histogram { name, unit, values, is_wavelength: false, bins: None, range: None }
+    }
 }
 
 const WIDTH: f64 = 420.0;
@@ -54,7 +65,7 @@ struct Bins {
 /// use rayweave_draw::detector::{Histogram, histograms_svg};
 ///
 /// let times = [1.0, 1.5, 2.0, 2.1];
-/// let time = Histogram { name: "time", unit: "ns", values: &times, is_wavelength: false };
+/// let time = Histogram::new("time", "ns", &times);
 /// assert!(histograms_svg(&[time], "hits").contains("time / ns"));
 /// ```
 pub fn histograms_svg(histograms: &[Histogram<'_>], title: &str) -> String {
@@ -78,7 +89,7 @@ fn draw(histogram: &Histogram<'_>, [left, top]: [f64; 2], svg: &mut Svg) {
         let text = format!("{name}: no hits");
         return svg.text("tick", subtitle_at, Anchor::Start, &text, &text);
     }
-    let bins = Bins::new(&values);
+    let bins = Bins::of(histogram, &values);
     let highest = bins.counts.iter().copied().max().unwrap_or(0).max(1) as f64;
     let (right, bottom) = (left + WIDTH, top + HEIGHT);
     let across = Axis { min: bins.lo, max: bins.end(), start: left, end: right };
@@ -105,6 +116,25 @@ fn subtitle(values: &[f64], unit: &str, beyond: usize) -> String {
 }
 
 impl Bins {
+    fn of(histogram: &Histogram<'_>, values: &[f64]) -> Bins {
+        let automatic = Bins::new(values);
+        if histogram.bins.is_none() && histogram.range.is_none() {
+            return automatic;
+        }
+        let [lo, hi] = histogram.range.unwrap_or([automatic.lo, automatic.end()]);
+        let count = histogram.bins.unwrap_or(BINS as usize).max(1);
+        let width = (hi - lo) / count as f64;
+        let (mut counts, mut beyond) = (vec![0; count], 0);
+        for &value in values {
+            match value >= lo && value <= hi {
+                // a value at the upper end belongs to the last bin
+                true => counts[(((value - lo) / width) as usize).min(count - 1)] += 1,
+                false => beyond += 1,
+            }
+        }
+        Bins { lo, width, counts, beyond }
+    }
+
     fn new(values: &[f64]) -> Bins {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);

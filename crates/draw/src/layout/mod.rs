@@ -109,8 +109,24 @@ impl OpticalLayout {
         options: &LayoutOptions,
         make: impl Fn(Arc<Program>) -> E,
     ) -> Result<OpticalLayout, DrawError> {
+        OpticalLayout::new_in_order(system, &[], light, settings, options, make)
+    }
+
+    /// Like [`OpticalLayout::new`], only with rays that reach the last of the elements `sequence` in this order, such as those of a lens
+    /// file; others, which miss a lens for example, are stray light. If no ray does, all are drawn.
+    ///
+    /// # Errors
+    /// Those of [`OpticalLayout::new`].
+    pub fn new_in_order<E: Evaluator>(
+        system: &System,
+        sequence: &[usize],
+        light: &impl Emitter,
+        settings: &TraceSettings,
+        options: &LayoutOptions,
+        make: impl Fn(Arc<Program>) -> E,
+    ) -> Result<OpticalLayout, DrawError> {
         let tracer = Tracer::new(system, &make);
-        let trial = TrialRays::new(&tracer, light, settings)?;
+        let trial = TrialRays::new(&tracer, light, settings)?.in_order(sequence);
         let plane = options.plane.unwrap_or_else(|| plane::nearest_to_light(&trial.segments));
         let cut = plane.cut()?;
         let chosen = trial.nearest_to(&cut, options.rays.max(1));

@@ -14,6 +14,8 @@ pub struct TrialRays {
     pub segments: Segments,
     /// The number of sources.
     pub sources: usize,
+    /// False for rays that are not to be drawn.
+    is_wanted: Vec<bool>,
 }
 
 impl TrialRays {
@@ -34,7 +36,23 @@ impl TrialRays {
         let settings = TraceSettings { branches: Branches::Ideal, ..settings.clone() };
         let segments = tracer.trace(&rays, &settings)?.segments;
         let sources = rays.sources().iter().max().map_or(0, |&last| last as usize + 1);
-        Ok(TrialRays { rays, segments, sources })
+        let is_wanted = vec![true; rays.len()];
+        Ok(TrialRays { rays, segments, sources, is_wanted })
+    }
+
+    /// Leaves out the rays that do not reach the last of these elements in their order, unless none does.
+    pub fn in_order(mut self, sequence: &[usize]) -> TrialRays {
+        let Some(&last) = sequence.last() else { return self };
+        let mut arrives = vec![false; self.rays.len()];
+        for (row, segment) in self.segments.iter().enumerate() {
+            if segment.element == last as i32 && self.segments.followed(row, sequence) {
+                arrives[segment.id as usize] = true;
+            }
+        }
+        if arrives.contains(&true) {
+            self.is_wanted = arrives;
+        }
+        self
     }
 
     /// About `count` rays near a plane, evenly spread, the same number from each source.
@@ -43,8 +61,10 @@ impl TrialRays {
         let each = count.div_ceil(self.sources.max(1));
         let mut chosen: Vec<usize> = Vec::new();
         for source in 0..self.sources as u32 {
-            let mut own: Vec<&Key> =
-                keys.iter().filter(|key| self.rays.sources()[key.ray] == source).collect();
+            let mut own: Vec<&Key> = keys
+                .iter()
+                .filter(|key| self.rays.sources()[key.ray] == source && self.is_wanted[key.ray])
+                .collect();
             chosen.extend(spread(&mut own, each));
         }
         chosen.sort_unstable();
@@ -109,6 +129,42 @@ mod tests {
 
     fn chosen(keys: &[Key], count: usize) -> Vec<usize> {
         spread(&mut keys.iter().collect(), count)
+    }
+
+    /// Of a line of light wider than a ball lens, the rays that miss the lens are left out, unless all do.
+    #[test]
+    fn rays_that_miss_a_lens_are_left_out() {
+        let text = r#"
+            rayweave = 1
+            [solid.ball]
+            sphere = { radius = 10 }
+            [optics.medium]
+            ball = 1.5
+            [[optics.source]]
+            line = { length = 60, rays = 61 }
+            transform = [{ translate = [0, 0, -30] }]
+        "#;
+        let (document, scene) = rayweave_scene::parse(text).unwrap();
+        let optics = rayweave_optics::file::optics_of(&document, &scene).unwrap();
+        let system = optics.assembly.compile().unwrap();
+        let tracer = Tracer::new(&system, rayweave_trace::Packets::new);
+        let cut = crate::layout::plane::nearest_to_light(
+            &TrialRays::new(&tracer, &optics.sources, &optics.settings).unwrap().segments,
+        );
+        let cut = cut.cut().unwrap();
+        let heights = |sequence: &[usize]| -> Vec<f64> {
+            let trial = TrialRays::new(&tracer, &optics.sources, &optics.settings).unwrap();
+            let beam = trial.in_order(sequence).nearest_to(&cut, 1000);
+            let height = |k| {
+                let origin = beam.get(k).ray.origin;
+                libm::hypot(origin.x, origin.y)
+            };
+            (0..beam.len()).map(height).collect()
+        };
+        // into the ball and out of it
+        let inside = heights(&[0, 0]);
+        assert!(inside.len() == 19 && inside.iter().all(|height| *height < 10.0), "{inside:?}");
+        assert_eq!((heights(&[]).len(), heights(&[0, 0, 0]).len()), (61, 61));
     }
 
     /// A flat fan gives its ends and its middle; a disc gives only points near the plane.

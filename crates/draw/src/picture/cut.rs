@@ -73,6 +73,14 @@ impl CutAway {
     }
 }
 
+impl CutAway {
+    /// True if a view in this direction, a unit vector, looks onto a cut face: the removed part is in front of it.
+    pub fn is_seen_along(&self, forward: Vec3) -> bool {
+        // views at a slant, such as the one from the upper right, see faces across all three axes
+        self.0.iter().any(|cut| forward[cut.axis] * if cut.is_above { -1.0 } else { 1.0 } > 0.5)
+    }
+}
+
 impl Condition {
     /// The half-space in which the condition holds.
     fn half_space(&self, bounds: &Bounds) -> Result<Solid, DrawError> {
@@ -132,6 +140,7 @@ fn condition(text: &str) -> Result<Condition, DrawError> {
 mod tests {
     use super::*;
     use rayweave_error::{Classified, ErrorKind};
+    use rayweave_render::View;
 
     #[test]
     fn conditions_are_read() {
@@ -140,6 +149,14 @@ mod tests {
             Condition { axis: 2, is_above: false, coordinate: Coordinate::Length(-1e-3) },
         ];
         assert_eq!("x>50%, z < -1e-3".parse::<CutAway>().unwrap(), CutAway(expected.to_vec()));
+    }
+
+    #[test]
+    fn cut_faces_are_seen_from_the_removed_side() {
+        let cut: CutAway = "x>50%, y<0".parse().unwrap();
+        let seen = [View::Front, View::Back, View::Left, View::Right, View::Top, View::Iso]
+            .map(|view| cut.is_seen_along(view.forward_and_up().0));
+        assert_eq!(seen, [true, false, false, true, false, true]);
     }
 
     #[test]

@@ -28,7 +28,7 @@ mod sheet;
 pub use cut::CutAway;
 pub use explode::Explosion;
 pub use opacity::Opacity;
-pub use sheet::{PictureSheet, PlacedPicture, SheetKind};
+pub use sheet::{PictureSheet, PlacedPicture, SheetKind, WholeModel};
 
 use crate::DrawError;
 use rayweave_error::Message;

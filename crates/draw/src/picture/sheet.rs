@@ -1,6 +1,6 @@
 //! Sheets: pictures of a model from one or several sides, with a scale and a legend of its media.
 
-use super::{PictureOptions, arrange};
+use super::{CutAway, PictureOptions, arrange};
 use crate::DrawError;
 use crate::axis::{format_number, round_step};
 use crate::legend::{self, Entry, Swatch};
@@ -47,6 +47,15 @@ pub enum SheetKind {
     Views,
 }
 
+/// The model before a part of it was removed, for a sheet of several views.
+#[derive(Clone, Copy, Debug)]
+pub struct WholeModel<'a, E> {
+    /// The removed part.
+    pub cut: &'a CutAway,
+    /// The evaluator of the whole model, whose regions are those of the cut model.
+    pub evaluator: &'a E,
+}
+
 /// A picture on a sheet.
 #[derive(Clone, Debug)]
 pub struct PlacedPicture {
@@ -87,6 +96,36 @@ impl PictureSheet {
         options: &PictureOptions,
         run: &mut Run<'_>,
     ) -> Result<PictureSheet, DrawError> {
+        PictureSheet::draw_whole(kind, scene, compiled, evaluator, None, options, run)
+    }
+
+    /// Like [`PictureSheet::draw`] for a scene from which a [`CutAway`] has removed a part: the views that do not look onto a cut
+    /// face show the whole model.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`PictureSheet::draw`].
+    pub fn draw_cut<E: Evaluator>(
+        kind: SheetKind,
+        scene: &Scene,
+        compiled: &Compiled,
+        evaluator: &E,
+        whole: WholeModel<'_, E>,
+        options: &PictureOptions,
+        run: &mut Run<'_>,
+    ) -> Result<PictureSheet, DrawError> {
+        PictureSheet::draw_whole(kind, scene, compiled, evaluator, Some(whole), options, run)
+    }
+
+    fn draw_whole<'a, E: Evaluator>(
+        kind: SheetKind,
+        scene: &Scene,
+        compiled: &Compiled,
+        evaluator: &'a E,
+        whole: Option<WholeModel<'a, E>>,
+        options: &PictureOptions,
+        run: &mut Run<'_>,
+    ) -> Result<PictureSheet, DrawError> {
         let default = Size::new(PAPER.0, PAPER.1)?;
         let size = options.size.or((kind == SheetKind::Views).then_some(default));
         let (camera, settings) = arrange(scene, compiled, &PictureOptions { size, ..*options })?;
@@ -97,7 +136,7 @@ impl PictureSheet {
         let mut painter = Painter { evaluator, settings, run, done: 0, of: 1 };
         match kind {
             SheetKind::One => sheet.one(camera, bottom, &mut painter)?,
-            SheetKind::Views => sheet.views(scene, compiled, bottom, &mut painter)?,
+            SheetKind::Views => sheet.views(scene, whole.as_ref(), bottom, &mut painter)?,
         }
         Ok(sheet)
     }
@@ -154,23 +193,31 @@ impl PictureSheet {
         Ok(())
     }
 
-    fn views<E: Evaluator>(
+    fn views<'a, E: Evaluator>(
         &mut self,
         scene: &Scene,
-        compiled: &Compiled,
+        whole: Option<&WholeModel<'a, E>>,
         bottom: usize,
-        painter: &mut Painter<'_, '_, E>,
+        painter: &mut Painter<'a, '_, E>,
     ) -> Result<(), DrawError> {
         let left = self.size.width().saturating_sub(3 * MARGIN) / 2;
         let tall = bottom.saturating_sub(2 * HEAD + FOOT) / 2;
         let cell = self.remaining_size(left, tall)?;
         painter.of = VIEWS.len();
-        let cameras = to_one_scale(VIEWS.map(|(view, ..)| view.fit(&compiled.program, cell)));
+        let cut = painter.evaluator;
+        // one box for all views keeps them in line
+        let program = whole.map_or(cut, |whole| whole.evaluator).program();
+        let cameras = to_one_scale(VIEWS.map(|(view, ..)| view.fit(program, cell)));
         for ((view, column, row), camera) in VIEWS.into_iter().zip(cameras) {
             let (x, y) = (MARGIN + column * (left + MARGIN), HEAD + row * (tall + HEAD));
+            let (evaluator, name) = match whole {
+                Some(whole) if whole.cut.is_seen_along(camera.forward()) => (cut, format!("{view}, cut")),
+                Some(whole) => (whole.evaluator, view.to_string()),
+                None => (cut, view.to_string()),
+            };
+            painter.evaluator = evaluator;
             self.pictures.push(PlacedPicture { x, y, image: painter.paint(&camera, cell)? });
-            let name = [x as f64, y as f64 - 8.0];
-            self.drawing.text("name", name, Anchor::Start, view.name(), view.name());
+            self.drawing.text("name", [x as f64, y as f64 - 8.0], Anchor::Start, &name, &name);
             if view == View::Front {
                 self.scale(&camera, [x as f64, (y + tall + FOOT / 2) as f64], cell, scene.unit.symbol());
             }

@@ -2,7 +2,7 @@
 //! below or from the right.
 
 use crate::axis::format_number;
-use crate::svg::Svg;
+use crate::svg::{Anchor, Svg};
 
 /// The distance of a dimension line from the drawing, the gap before an extension line and the length beyond the arrows, in pixels.
 const DISTANCE: f64 = 26.0;
@@ -21,6 +21,10 @@ pub(super) const STYLE: &str = "\
 .dimension { fill: none; stroke: currentColor; stroke-width: 0.7 }
 .arrow { fill: currentColor }
 .value { font-size: 12.5px }
+.thickness { fill: none; stroke: currentColor; stroke-width: 1.2 }
+.halo { fill: none; stroke: #ffffff; stroke-width: 3.5; stroke-opacity: 0.8 }
+.size { font-size: 14px; font-weight: 600; stroke: #ffffff; stroke-width: 4; paint-order: stroke }
+@media (prefers-color-scheme: dark) { .halo, .size { stroke: #14191f } }
 ";
 
 /// The text of a length with this error: rounded to the power of ten that is at least the error.
@@ -49,13 +53,6 @@ pub(super) fn draw(svg: &mut Svg, [left, top, right, bottom]: [f64; 4], width: &
     lines += &line([left, y], [right, y]);
     lines += &line([x, top], [x, bottom]);
     svg.path("dimension", lines, "");
-    let [long, half] = ARROW;
-    let arrow = |tip: [f64; 2], d: [f64; 2]| {
-        let end = [tip[0] - long * d[0], tip[1] - long * d[1]];
-        let side = [half * d[1], half * d[0]];
-        let (a, b) = ([end[0] + side[0], end[1] + side[1]], [end[0] - side[0], end[1] - side[1]]);
-        format!("M{:.2} {:.2}L{:.2} {:.2}L{:.2} {:.2}Z", tip[0], tip[1], a[0], a[1], b[0], b[1])
-    };
     let arrows = [
         arrow([left, y], [-1.0, 0.0]),
         arrow([right, y], [1.0, 0.0]),
@@ -65,6 +62,46 @@ pub(super) fn draw(svg: &mut Svg, [left, top, right, bottom]: [f64; 4], width: &
     svg.path("arrow", arrows.concat(), "");
     svg.middle_text("value", [0.5 * (left + right), y - ABOVE], 0.0, width);
     svg.middle_text("value", [x - ABOVE, 0.5 * (top + bottom)], -90.0, height);
+}
+
+/// Draws the thickness between two points in pixels: lines along it with arrows from outside, since walls are thin, short bars at
+/// the ends, and the value beside the upper or right end.
+pub(super) fn between(svg: &mut Svg, [a, b]: [[f64; 2]; 2], value: &str) {
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    let length = libm::hypot(dx, dy);
+    let along = if length > 0.0 { [dx / length, dy / length] } else { [1.0, 0.0] };
+    // from the lower or left end to the other one
+    let is_forward = if along[1].abs() > 0.5 { along[1] < 0.0 } else { along[0] > 0.0 };
+    let ([from, to], d) = if is_forward { ([a, b], along) } else { ([b, a], along.map(|x| -x)) };
+    let beside = |p: [f64; 2], by: f64, across: f64| {
+        [p[0] + by * d[0] - across * d[1], p[1] + by * d[1] + across * d[0]]
+    };
+    let line = |a: [f64; 2], b: [f64; 2]| format!("M{:.2} {:.2}L{:.2} {:.2}", a[0], a[1], b[0], b[1]);
+    let tail = 3.0 * ARROW[0];
+    let bars = [from, to].map(|end| line(beside(end, 0.0, -BEYOND), beside(end, 0.0, BEYOND)));
+    let lines = line(beside(from, -tail, 0.0), beside(to, tail, 0.0)) + &bars.concat();
+    let arrows = arrow(from, d) + &arrow(to, d.map(|x| -x));
+    // a pale line below the dark one keeps both legible on any colour
+    svg.path("halo", &lines, "");
+    svg.path("halo", &arrows, "");
+    svg.path("thickness", lines, "");
+    svg.path("arrow", arrows, "");
+    let [x, y] = beside(to, tail + ABOVE, 0.0);
+    let (anchor, y) = match () {
+        () if d[0] > 0.5 => (Anchor::Start, y + ABOVE),
+        () if d[0] < -0.5 => (Anchor::End, y + ABOVE),
+        () => (Anchor::Middle, y),
+    };
+    svg.text("size", [x, y], anchor, value, value);
+}
+
+/// An arrow with its tip at a point and this direction.
+fn arrow(tip: [f64; 2], d: [f64; 2]) -> String {
+    let [long, half] = ARROW;
+    let end = [tip[0] - long * d[0], tip[1] - long * d[1]];
+    let side = [-half * d[1], half * d[0]];
+    let (a, b) = ([end[0] + side[0], end[1] + side[1]], [end[0] - side[0], end[1] - side[1]]);
+    format!("M{:.2} {:.2}L{:.2} {:.2}L{:.2} {:.2}Z", tip[0], tip[1], a[0], a[1], b[0], b[1])
 }
 
 #[cfg(test)]

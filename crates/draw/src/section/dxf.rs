@@ -2,6 +2,7 @@
 //!
 //! Source: *AutoCAD Release 12 Customization Manual*, chapter 11, Drawing Interchange and File Formats.
 
+use super::arcs::{Corner, Shape};
 use rayweave_analysis::section::{CrossSection, SectionPart};
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -10,7 +11,8 @@ use std::fmt::Write;
 const NAME: usize = 31;
 
 /// Draws sections as DXF: each contour is a closed POLYLINE in the coordinates of its plane, at the height given by the offset of
-/// the plane, on a layer with the name of its part. Lengths are in `unit`.
+/// the plane, on a layer with the name of its part. Where its points lie on a circle, within a fiftieth of the tolerance of the section,
+/// it has an arc (a bulge); a whole circle is a CIRCLE. Lengths are in `unit`.
 pub fn section_dxf(sections: &[CrossSection], unit: &str) -> String {
     let layers = Layers::new(sections);
     let mut text = String::new();
@@ -26,9 +28,14 @@ pub fn section_dxf(sections: &[CrossSection], unit: &str) -> String {
     for section in sections {
         for part in &section.parts {
             let layer = layers.name(part);
-            part.contours
-                .iter()
-                .for_each(|contour| polyline(layer, section.plane.offset(), contour, &mut put));
+            for contour in &part.contours {
+                match Shape::of(contour, section.tolerance) {
+                    Shape::Circle { centre, radius } => {
+                        circle(layer, section.plane.offset(), (centre, radius), &mut put);
+                    }
+                    Shape::Outline(corners) => polyline(layer, section.plane.offset(), &corners, &mut put),
+                }
+            }
         }
     }
     put(0, &"ENDSEC");
@@ -47,7 +54,16 @@ fn header(put: &mut Put<'_>) {
     put(0, &"ENDSEC");
 }
 
-fn polyline(layer: &str, height: f64, contour: &[[f64; 2]], put: &mut Put<'_>) {
+fn circle(layer: &str, height: f64, (centre, radius): ([f64; 2], f64), put: &mut Put<'_>) {
+    put(0, &"CIRCLE");
+    put(8, &layer);
+    put(10, &centre[0]);
+    put(20, &centre[1]);
+    put(30, &height);
+    put(40, &radius);
+}
+
+fn polyline(layer: &str, height: f64, corners: &[Corner], put: &mut Put<'_>) {
     let point = |[x, y]: [f64; 2], put: &mut Put<'_>| {
         put(10, &x);
         put(20, &y);
@@ -59,10 +75,13 @@ fn polyline(layer: &str, height: f64, contour: &[[f64; 2]], put: &mut Put<'_>) {
     point([0.0; 2], put);
     // a closed polyline
     put(70, &1);
-    for &corner in contour {
+    for corner in corners {
         put(0, &"VERTEX");
         put(8, &layer);
-        point(corner, put);
+        point(corner.at, put);
+        if corner.bulge != 0.0 {
+            put(42, &corner.bulge);
+        }
     }
     put(0, &"SEQEND");
     put(8, &layer);

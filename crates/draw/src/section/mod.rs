@@ -12,14 +12,15 @@
 //! let sections = cross_sections(&scene, None, make, &[plane], &settings, &mut |_| ())?;
 //! assert!(section_svg(&sections, "a ring", "mm").contains(">ring</text>"));
 //! // two contours
-//! assert_eq!(section_dxf(&sections, "mm").matches("POLYLINE").count(), 2);
+//! assert_eq!(section_dxf(&sections, "mm").matches("CIRCLE").count(), 2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod arcs;
 mod dimension;
 mod dxf;
 mod hatch;
 mod svg;
 
 pub use dxf::section_dxf;
-pub use svg::{SectionStyle, section_drawing, section_svg};
+pub use svg::{SectionStyle, section_drawing, section_svg, section_with_thickness};

@@ -5,6 +5,7 @@ use crate::legend::{self, Entry, Swatch};
 use crate::plan::Plan;
 use crate::svg::{Anchor, Svg};
 use rayweave_analysis::section::{CrossSection, SectionPart};
+use rayweave_math::Vec3;
 use rayweave_scene::Colour;
 
 /// The width of the drawing, and the maximum height of a single section.
@@ -48,6 +49,28 @@ pub fn section_svg(sections: &[CrossSection], title: &str, unit: &str) -> String
 
 /// Draws sections like [`section_svg`], with hatching or dimensions.
 pub fn section_drawing(sections: &[CrossSection], title: &str, unit: &str, style: SectionStyle) -> String {
+    drawing(sections, title, unit, style, None)
+}
+
+/// Draws one section like [`section_svg`], with the dimension `text` of a thickness between two points of its plane.
+pub fn section_with_thickness(
+    section: &CrossSection,
+    title: &str,
+    unit: &str,
+    ends: [Vec3; 2],
+    text: &str,
+) -> String {
+    let thickness = section.plane.cut().ok().map(|cut| (ends.map(|end| cut.place(end)), text));
+    drawing(std::slice::from_ref(section), title, unit, SectionStyle::default(), thickness)
+}
+
+fn drawing(
+    sections: &[CrossSection],
+    title: &str,
+    unit: &str,
+    style: SectionStyle,
+    thickness: Option<([[f64; 2]; 2], &str)>,
+) -> String {
     let shown = chosen(sections);
     let mut svg = Svg::default();
     svg.text("title", [MARGIN, MARGIN + 8.0], Anchor::Start, title, title);
@@ -70,6 +93,9 @@ pub fn section_drawing(sections: &[CrossSection], title: &str, unit: &str, style
             let [right, bottom] = plan.position([hi[0], lo[1]]);
             let [width, height] = [0, 1].map(|k| dimension::value(hi[k] - lo[k], 2.0 * section.tolerance));
             dimension::draw(&mut svg, [left, top, right, bottom], &width, &height);
+        }
+        if let Some((ends, text)) = thickness {
+            dimension::between(&mut svg, ends.map(|end| plan.position(end)), text);
         }
         if shown.len() > 1 {
             let (label, name) = (section.plane.label(), section.plane.to_string());

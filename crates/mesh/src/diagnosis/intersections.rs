@@ -49,6 +49,8 @@ pub(super) struct Intersections {
     pub crossings: Findings<Intersection>,
     /// The coplanar pairs that overlap, sorted.
     pub overlaps: Findings<Intersection>,
+    /// The pairs that touch beyond common corners and edges, sorted.
+    pub contacts: Findings<Intersection>,
     /// The first triangle whose pairs were not compared, because too many boxes overlap.
     pub end: Option<u32>,
 }
@@ -87,6 +89,9 @@ pub(super) fn intersections(
         others.sort_unstable();
         for &other in &others {
             match meeting_of(mesh, number, other) {
+                Meeting::Touching if is_in_contact(mesh, number, other) => {
+                    found.contacts.add(intersection(mesh, [number, other]));
+                }
                 Meeting::Touching => {}
                 Meeting::Crossing => found.crossings.add(intersection(mesh, [number, other])),
                 Meeting::Overlapping => found.overlaps.add(intersection(mesh, [number, other])),
@@ -114,6 +119,14 @@ fn meeting_of(mesh: &Mesh, first: u32, second: u32) -> Meeting {
         3 => Meeting::Touching,
         shared => triangle::meeting(common_first(mesh, p, &common), common_first(mesh, q, &common), shared),
     }
+}
+
+/// True if two triangles that neither cross nor overlap touch beyond their common corners and edges.
+fn is_in_contact(mesh: &Mesh, first: u32, second: u32) -> bool {
+    let [p, q] = [first, second].map(|number| mesh.triangles()[number as usize]);
+    let common: Vec<u32> = p.into_iter().filter(|vertex| q.contains(vertex)).collect();
+    let [a, b] = [p, q].map(|corners| common_first(mesh, corners, &common));
+    common.len() < 3 && triangle::is_in_contact(a, b, common.len())
 }
 
 /// The corners of a triangle, the common ones first.

@@ -81,6 +81,9 @@ pub struct Diagnosis {
     pub crossings: Findings<Intersection>,
     /// Pairs of coplanar triangles that overlap; of duplicates only the first.
     pub overlaps: Findings<Intersection>,
+    /// Pairs of triangles that touch beyond common corners and edges without an edge of one that crosses the interior of the
+    /// other: parts in contact, corners in the middle of edges, and intersections exactly through edges.
+    pub contacts: Findings<Intersection>,
     /// The triangle at which the search for intersections was given up, because the boxes of too many pairs overlap: more than
     /// 64 for each triangle, and two million. `None` if all pairs were compared.
     pub uncompared: Option<u32>,
@@ -103,6 +106,24 @@ impl Diagnosis {
         let pairs = self.crossings.is_empty() && self.overlaps.is_empty() && self.duplicates.is_empty();
         let is_searched = self.uncompared.is_none();
         self.is_closed() && pairs && is_searched && shells && self.flipped.is_empty() && !self.is_flat
+    }
+
+    /// The volume of the solid ([`crate::Polyhedron`]) within rounding, in cubes of the unit of length: the sum of the signed
+    /// tetrahedra between the triangles and the centre of the mesh (divergence theorem), where shells at odd depths are
+    /// cavities. The orientation of the triangles does not matter. `None` if the mesh is not closed, and where the sum may
+    /// differ from the volume: if shells intersect, overlap or touch each other or themselves (except at single common
+    /// corners), if an edge has more than two triangles, if a triangle has no area or was not compared with all others.
+    pub fn volume(&self) -> Option<f64> {
+        let pairs = [&self.crossings, &self.overlaps, &self.contacts].iter().all(|found| found.is_empty());
+        let edges = self.non_manifold_edges.is_empty() && self.degenerate.is_empty();
+        let shells = self.components.iter().all(|shell| shell.is_closed && shell.is_orientable);
+        let is_searched = self.duplicates.is_empty() && self.uncompared.is_none();
+        let is_known = self.is_closed() && pairs && edges && shells && is_searched;
+        let signed = |shell: &Component| {
+            let volume = shell.volume.abs();
+            if shell.depth.is_multiple_of(2) { volume } else { -volume }
+        };
+        is_known.then(|| self.components.iter().map(signed).sum())
     }
 }
 
@@ -151,6 +172,7 @@ impl Mesh {
             duplicates,
             crossings: found.crossings,
             overlaps: found.overlaps,
+            contacts: found.contacts,
             uncompared: found.end,
             is_flat: open_edges == 0 && !components.is_empty() && encloses_no_volume(&mesh, &components),
             components,

@@ -14,6 +14,9 @@
 //! shells are cavities, and where two shells overlap there is no solid. A model file may name a mesh file instead:
 //! `mesh = { file = "part.stl" }`.
 //!
+//! The volume is the sum of the signed tetrahedra between the triangles and a fixed point; it is unknown where shells
+//! intersect or overlap each other or themselves.
+//!
 //! A ray through an edge or a vertex crosses the mesh as if it passed beside it, on the same side of all triangles
 //! (S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2, 2013).
 
@@ -110,6 +113,10 @@ impl Shape for Mesh {
         Lowered::conjunction(vec![facet], self.solid().bounds())
     }
 
+    fn volume(&self) -> Option<f64> {
+        self.solid().volume()
+    }
+
     /// The compound of two tetrahedra: a spike on each face of an octahedron.
     fn example() -> Mesh {
         let sign = |k: usize, axis: usize| if k >> axis & 1 == 1 { 1.0 } else { -1.0 };
@@ -158,6 +165,7 @@ mod tests {
             // each has half the volume of the cube minus four corners, and their intersection is an octahedron
             assert!((mesh.volume() - 4.0 * scale.powi(3)).abs() < 1e-14 * scale.powi(3));
             let solid = Mesh::new(&mesh).unwrap();
+            assert!((solid.volume().unwrap() - 4.0 * scale.powi(3)).abs() < 1e-14 * scale.powi(3));
             let inside = |p: Vec3| {
                 let [x, y, z] = (p / scale).to_array();
                 let one = [x + y + z, x - y - z, y - z - x, z - x - y];

@@ -176,9 +176,19 @@ class Hits(_Named):
         cells = None if bins is None else whole(bins, "bins", least=1, bits=10)
         return Drawing(self._compiled.map_svg(self._title, cells))
 
-    def plot_spectra(self) -> Drawing:
-        """Histograms of the times and of the wavelengths."""
-        return Drawing(self._compiled.spectra_svg(f"Hits: {self._title}"))
+    def plot_spectra(self, *, bins: int | None = None, time: tuple[float, float] | None = None) -> Drawing:
+        """Histograms of the times and of the wavelengths.
+
+        `bins` is the number of bins of each, up to 1023; by default about 60 of a round width, fewer for few hits. `time` is the
+        range of times in ns; by default that of the hits, without the latest 0.5 % if they are much later than the others. The
+        drawing states the number of hits beyond."""
+        count = None if bins is None else whole(bins, "bins", least=1, bits=10)
+        if time is not None:
+            first, last = (float(end) for end in time)
+            if not (np.isfinite([first, last]).all() and first < last):
+                raise ValueError(f"time is {time}: it must be two finite numbers, the smaller one first.")
+            time = first, last
+        return Drawing(self._compiled.spectra_svg(f"Hits: {self._title}", count, time))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
