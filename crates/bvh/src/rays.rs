@@ -21,9 +21,11 @@ pub struct RayTraversals {
 /// A ray prepared for slab tests.
 #[derive(Clone, Copy, Debug, Default)]
 struct SlabRay {
-    origin: [f64; 3],
+    /// For each axis, the numbers of the planes that the ray enters and leaves the boxes by.
+    planes: [[usize; 2]; 3],
+    /// What these planes are compared with: the origin with the margin.
+    origin: [[f64; 2]; 3],
     inverse: [f64; 3],
-    margin: f64,
     from: f64,
 }
 
@@ -40,12 +42,16 @@ impl RayTraversals {
         let rays = window.rays.to_bitmask();
         for lane in 0..RAYS {
             let at = |values: &f64x8<S>| values.as_slice()[lane];
-            self.rays[lane] = SlabRay {
-                origin: slabs.origin.each_ref().map(at),
-                inverse: slabs.inverse.each_ref().map(at),
-                margin: at(&slabs.margin),
-                from: at(&window.from.0),
-            };
+            let (ray, margin) = (&mut self.rays[lane], at(&slabs.margin));
+            for k in 0..3 {
+                let (origin, inverse) = (at(&slabs.origin[k]), at(&slabs.inverse[k]));
+                let (low, high) = ((k, origin + margin), (k + 3, origin - margin));
+                // in this order, so that the ray misses empty boxes, from +inf to -inf
+                let [near, far] = if inverse > 0.0 { [low, high] } else { [high, low] };
+                ray.planes[k] = [near.0, far.0];
+                (ray.origin[k], ray.inverse[k]) = ([near.1, far.1], inverse);
+            }
+            ray.from = at(&window.from.0);
             self.open[lane].clear();
             if rays >> lane & 1 == 1 && !tree.nodes.is_empty() {
                 self.open(simd, tree, 0, lane, at(&window.until.0));
@@ -96,12 +102,10 @@ impl SlabRay {
     fn enter<S: Simd>(&self, simd: S, node: &Node64, until: f64) -> (f64x8<S>, u64) {
         let (mut enter, mut leave) = (f64x8::splat(simd, self.from), f64x8::splat(simd, until));
         for k in 0..3 {
-            let low = f64x8::load_array_ref(simd, &node.planes[k].0) - self.margin - self.origin[k];
-            let high = f64x8::load_array_ref(simd, &node.planes[k + 3].0) + self.margin - self.origin[k];
-            // in this order, so that the ray misses empty boxes, from +inf to -inf
-            let (near, far) = if self.inverse[k] > 0.0 { (low, high) } else { (high, low) };
-            enter = enter.max(near * self.inverse[k]);
-            leave = leave.min(far * self.inverse[k]);
+            let [near, far] =
+                self.planes[k].map(|plane| f64x8::load_array_ref(simd, &node.planes[plane % 6].0));
+            enter = enter.max((near - self.origin[k][0]) * self.inverse[k]);
+            leave = leave.min((far - self.origin[k][1]) * self.inverse[k]);
         }
         (enter, enter.simd_le(leave).to_bitmask())
     }

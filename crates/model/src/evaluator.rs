@@ -346,6 +346,20 @@ pub trait Evaluator: Sync {
         });
     }
 
+    /// [`Evaluator::nearest_from`] for rays whose regions are probably known: `regions` has the number of the region in which
+    /// each ray starts, or any other number, such as `u32::MAX`, where it is not known. The numbers save time and do not change
+    /// the answers.
+    fn nearest_in(
+        &self,
+        rays: Rays<'_>,
+        (query, _regions): (&Query<'_>, &[u32]),
+        scratch: &mut Self::Scratch,
+        hits: &mut FirstHits<'_>,
+        between: &mut Vec<(usize, Crossing)>,
+    ) {
+        self.nearest_from(rays, query, scratch, hits, between);
+    }
+
     /// The answers for a whole batch in arrays.
     ///
     /// # Errors

@@ -14,8 +14,8 @@ use rayweave_shape::lanes::{Lanes, Mask, Vec3Lanes, splat};
 /// The number of photons that are processed together.
 const LANES: usize = 8;
 
-/// A word of each of eight photons.
-type Words = [u32; LANES];
+/// A word of each of eight photons, in the lower half.
+type Words = [u64; LANES];
 
 /// The first random numbers of the photons of a batch in their next steps.
 #[derive(Debug)]
@@ -43,14 +43,14 @@ impl Draws {
         dispatch!(level, simd => compute(simd, seed, flights, paths, boundary));
     }
 
-    /// Exponentially distributed numbers for the free paths of a photon.
-    pub fn exponentials(&self, i: usize, seed: u64, flight: &Flight) -> Exponentials {
-        Exponentials {
-            first: self.paths[i],
-            used: 0,
-            photon: (seed, flight.number, flight.steps),
-            rest: None,
-        }
+    /// The first two exponentially distributed numbers for the free paths of a photon.
+    pub fn exponentials(&self, i: usize) -> [f64; 2] {
+        self.paths[i]
+    }
+
+    /// The numbers for the free paths of a photon behind the first two.
+    pub fn other_exponentials(seed: u64, flight: &Flight) -> Stream {
+        Stream::new(seed, flight.number, flight.steps, Purpose::FreePath).after_block()
     }
 
     /// The first block of the numbers of the boundary process of a photon.
@@ -82,10 +82,10 @@ fn isotropic_lanes<S: Simd>(simd: S, seed: u64, numbers: &[u64], found: &mut [[V
             for (numbers, found) in numbers.chunks(LANES).zip(found.chunks_mut(LANES)) {
                 let mut counter = [[0; LANES]; 4];
                 for (lane, number) in numbers.iter().enumerate() {
-                    counter[0][lane % LANES] = (number >> 32) as u32;
-                    counter[1][lane % LANES] = *number as u32;
+                    counter[0][lane % LANES] = number >> 32;
+                    counter[1][lane % LANES] = number & WORD;
                 }
-                let purpose = (Purpose::Emission as u32) << PURPOSE_SHIFT;
+                let purpose = u64::from((Purpose::Emission as u32) << PURPOSE_SHIFT);
                 counter[3] = [purpose; LANES];
                 let first = blocks(counter, key);
                 counter[3] = [purpose + 1; LANES];
@@ -112,7 +112,7 @@ fn isotropic_lanes<S: Simd>(simd: S, seed: u64, numbers: &[u64], found: &mut [[V
 fn uniforms(high: &Words, low: &Words) -> [f64; LANES] {
     let mut values = [0.0; LANES];
     for lane in 0..LANES {
-        let bits = u64::from(high[lane]) << 21 | u64::from(low[lane]) >> 11;
+        let bits = high[lane] << 21 | low[lane] >> 11;
         values[lane] = (bits as f64 + 0.5) * UNIT;
     }
     values
@@ -153,30 +153,6 @@ fn cos_sin_turns<S: Simd>(simd: S, turns: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     (x, (is(2.0) | is(3.0)).select(-y, y))
 }
 
-/// Exponentially distributed numbers with mean 1, the first two of which are known.
-#[derive(Debug)]
-pub(crate) struct Exponentials {
-    first: [f64; 2],
-    used: usize,
-    /// The seed, the number of the photon, and the step.
-    photon: (u64, u64, u32),
-    rest: Option<Stream>,
-}
-
-impl Exponentials {
-    pub fn draw(&mut self) -> f64 {
-        self.used += 1;
-        match self.first.get(self.used - 1) {
-            Some(&known) => known,
-            None => {
-                let (seed, number, step) = self.photon;
-                let stream = || Stream::new(seed, number, step, Purpose::FreePath).after_block();
-                self.rest.get_or_insert_with(stream).exponential()
-            }
-        }
-    }
-}
-
 #[inline(always)]
 fn compute<S: Simd>(
     simd: S,
@@ -192,11 +168,11 @@ fn compute<S: Simd>(
             for ((flights, paths), boundary) in flights.chunks(LANES).zip(paths).zip(boundary) {
                 let mut counter = [[0; LANES]; 4];
                 for (lane, flight) in flights.iter().enumerate() {
-                    counter[0][lane % LANES] = (flight.number >> 32) as u32;
-                    counter[1][lane % LANES] = flight.number as u32;
-                    counter[2][lane % LANES] = flight.steps.wrapping_add(1);
+                    counter[0][lane % LANES] = flight.number >> 32;
+                    counter[1][lane % LANES] = flight.number & WORD;
+                    counter[2][lane % LANES] = u64::from(flight.steps.wrapping_add(1));
                 }
-                counter[3] = [(Purpose::FreePath as u32) << PURPOSE_SHIFT; LANES];
+                counter[3] = [u64::from((Purpose::FreePath as u32) << PURPOSE_SHIFT); LANES];
                 let words = blocks(counter, key);
                 for k in 0..2 {
                     let lengths = exponentials(&words[2 * k], &words[2 * k + 1]);
@@ -204,10 +180,12 @@ fn compute<S: Simd>(
                         paths[lane][k] = lengths[lane];
                     }
                 }
-                counter[3] = [(Purpose::Boundary as u32) << PURPOSE_SHIFT; LANES];
+                counter[3] = [u64::from((Purpose::Boundary as u32) << PURPOSE_SHIFT); LANES];
                 let words = blocks(counter, key);
                 for lane in 0..LANES {
-                    boundary[lane] = words.map(|row| row[lane]);
+                    for k in 0..4 {
+                        boundary[lane][k] = words[k][lane] as u32;
+                    }
                 }
             }
         },
@@ -222,17 +200,26 @@ fn blocks(mut counter: [Words; 4], mut key: [u32; 2]) -> [Words; 4] {
             key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
         }
         let before = counter;
+        // what is above the lower halves is not used
         for lane in 0..LANES {
-            let a = u64::from(MULTIPLIERS[0]) * u64::from(before[0][lane]);
-            let b = u64::from(MULTIPLIERS[1]) * u64::from(before[2][lane]);
-            counter[0][lane] = (b >> 32) as u32 ^ before[1][lane] ^ key[0];
-            counter[1][lane] = b as u32;
-            counter[2][lane] = (a >> 32) as u32 ^ before[3][lane] ^ key[1];
-            counter[3][lane] = a as u32;
+            let a = u64::from(MULTIPLIERS[0]) * (before[0][lane] & WORD);
+            let b = u64::from(MULTIPLIERS[1]) * (before[2][lane] & WORD);
+            counter[0][lane] = b >> 32 ^ before[1][lane] ^ u64::from(key[0]);
+            counter[1][lane] = b;
+            counter[2][lane] = a >> 32 ^ before[3][lane] ^ u64::from(key[1]);
+            counter[3][lane] = a;
+        }
+    }
+    for row in &mut counter {
+        for word in row {
+            *word &= WORD;
         }
     }
     counter
 }
+
+/// The bits of a word.
+const WORD: u64 = u32::MAX as u64;
 
 /// [`Stream::exponential`] from the upper and the lower words of eight uniform numbers.
 #[inline(always)]
@@ -290,7 +277,7 @@ mod tests {
             energy: 3e-6,
             time: 0.0,
         };
-        Flight { origin: number, number, steps: (number % 7) as u32, photon }
+        Flight { origin: number, number, steps: (number % 7) as u32, region: 0, photon }
     }
 
     /// Known words and numbers of batches of several lengths are those of the streams.
@@ -305,10 +292,13 @@ mod tests {
                 flight.steps += 1;
                 let stream = |purpose| Stream::new(seed, flight.number, flight.steps, purpose);
                 let (mut known, mut expected) = (draws.boundary(i, seed, flight), stream(Purpose::Boundary));
-                let mut paths = (draws.exponentials(i, seed, flight), stream(Purpose::FreePath));
+                let mut paths = (Draws::other_exponentials(seed, flight), stream(Purpose::FreePath));
+                for known in draws.exponentials(i) {
+                    assert_eq!(known.to_bits(), paths.1.exponential().to_bits());
+                }
                 for _ in 0..6 {
                     assert_eq!(known.uniform(), expected.uniform());
-                    assert_eq!(paths.0.draw().to_bits(), paths.1.exponential().to_bits());
+                    assert_eq!(paths.0.exponential().to_bits(), paths.1.exponential().to_bits());
                 }
             }
         }

@@ -11,6 +11,8 @@ pub(crate) struct Flight {
     pub number: u64,
     /// Number of steps of its whole history, with those of the photons it was emitted from.
     pub steps: u32,
+    /// The region in which it probably is; `u32::MAX` if that is not known.
+    pub region: u32,
     pub photon: Photon,
 }
 

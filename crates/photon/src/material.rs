@@ -1,6 +1,6 @@
 //! Optical properties of materials.
 
-use crate::property::{LIGHT_SPEED, PropertyTable, Spectrum, group_velocity};
+use crate::property::{LIGHT_SPEED, Piece, PropertyTable, Spectrum, group_velocity, interval};
 
 /// The optical properties of a material. Lengths are in mm, times in ns, energies in MeV.
 #[derive(Clone, Debug, Default)]
@@ -108,15 +108,26 @@ pub(crate) struct MaterialValues {
     pub index: Option<f64>,
     /// The group velocity in mm/ns.
     pub velocity: f64,
-    pub absorption_length: Option<f64>,
-    pub rayleigh_length: Option<f64>,
-    pub mie_length: Option<f64>,
-    /// The absorption lengths of the wavelength shifters.
-    pub shifter_lengths: [Option<f64>; MAX_SHIFTERS],
+    /// The mean free paths of the processes of the material; the first `count` are used.
+    paths: [(f64, Bulk); MAX_PROCESSES],
+    count: usize,
+}
+
+/// A process in a material.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Bulk {
+    Absorption,
+    Rayleigh,
+    Mie,
+    /// Absorption by a wavelength shifter, with its number.
+    Shift(u8),
 }
 
 /// The number of sets of properties of wavelength shifting in a material.
 pub(crate) const MAX_SHIFTERS: usize = 2;
+
+/// The largest number of processes in a material.
+const MAX_PROCESSES: usize = 3 + MAX_SHIFTERS;
 
 impl MaterialValues {
     /// Of no energy.
@@ -124,29 +135,81 @@ impl MaterialValues {
         energy: f64::NAN,
         index: None,
         velocity: LIGHT_SPEED,
-        absorption_length: None,
-        rayleigh_length: None,
-        mie_length: None,
-        shifter_lengths: [None; MAX_SHIFTERS],
+        paths: [(f64::INFINITY, Bulk::Absorption); MAX_PROCESSES],
+        count: 0,
     };
 
-    pub fn new(material: &OpticalMaterial, energy: f64) -> MaterialValues {
-        let at = |table: &Option<PropertyTable>| table.as_ref().map(|table| table.at(energy));
-        let shifter = |k: usize| material.shifters.get(k).map(|shifter| shifter.length.at(energy));
-        MaterialValues {
-            energy,
-            index: at(&material.index),
-            velocity: at(&material.group_velocity).unwrap_or(LIGHT_SPEED),
-            absorption_length: at(&material.absorption_length),
-            rayleigh_length: at(&material.rayleigh_length),
-            mie_length: material.mie.as_ref().map(|mie| mie.length.at(energy)),
-            shifter_lengths: std::array::from_fn(shifter),
+    /// The values at an energy.
+    #[inline]
+    pub fn new(table: &ValueTable, energy: f64) -> MaterialValues {
+        let mut values = MaterialValues { energy, count: table.processes.len(), ..MaterialValues::NONE };
+        let [index, velocity, paths @ ..] = table.pieces(energy) else { return values };
+        values.index = table.has_index.then(|| index.at(energy));
+        values.velocity = velocity.at(energy);
+        for ((path, piece), process) in values.paths.iter_mut().zip(paths).zip(&table.processes) {
+            *path = (piece.at(energy), *process);
         }
+        values
     }
 
     /// True if these are the values at an energy.
     pub fn is_at(&self, energy: f64) -> bool {
         self.energy == energy
+    }
+
+    /// The mean free paths of the processes, in the order of their random numbers.
+    pub fn paths(&self) -> &[(f64, Bulk)] {
+        &self.paths[..self.count.min(MAX_PROCESSES)]
+    }
+}
+
+/// The properties of a material that a step needs, prepared for one search per energy.
+#[derive(Clone, Debug)]
+pub(crate) struct ValueTable {
+    /// The energies of the points of all properties, ascending.
+    energies: Vec<f64>,
+    /// For each interval between them, and for those at the ends, the pieces of the properties: index, velocity, paths.
+    pieces: Vec<Piece>,
+    /// The number of properties.
+    width: usize,
+    has_index: bool,
+    processes: Vec<Bulk>,
+}
+
+impl ValueTable {
+    pub fn new(material: &OpticalMaterial) -> ValueTable {
+        let (one, light) = (PropertyTable::constant(1.0), PropertyTable::constant(LIGHT_SPEED));
+        let index = material.index.as_ref().unwrap_or(&one);
+        let velocity = material.group_velocity.as_ref().unwrap_or(&light);
+        let (mut tables, mut processes) = (vec![index, velocity], Vec::new());
+        let shifters = (0..).zip(material.shifters.iter().take(MAX_SHIFTERS));
+        let own = [
+            (material.absorption_length.as_ref(), Bulk::Absorption),
+            (material.rayleigh_length.as_ref(), Bulk::Rayleigh),
+            (material.mie.as_ref().map(|mie| &mie.length), Bulk::Mie),
+        ];
+        let shifts = shifters.map(|(number, shifter)| (Some(&shifter.length), Bulk::Shift(number)));
+        for (table, process) in own.into_iter().chain(shifts) {
+            if let Some(table) = table {
+                tables.push(table);
+                processes.push(process);
+            }
+        }
+        let varies = tables.iter().filter(|table| !table.is_constant());
+        let mut energies: Vec<f64> = varies.flat_map(|table| table.energies().iter().copied()).collect();
+        energies.sort_by(f64::total_cmp);
+        energies.dedup();
+        // each property has one piece between two neighbouring energies, and up to the first of them
+        let starts = std::iter::once(0.0).chain(energies.iter().copied());
+        let pieces = starts.flat_map(|start| tables.iter().map(move |table| table.piece(start))).collect();
+        let (width, has_index) = (tables.len(), material.index.is_some());
+        ValueTable { energies, pieces, width, has_index, processes }
+    }
+
+    /// The pieces of the properties at an energy.
+    fn pieces(&self, energy: f64) -> &[Piece] {
+        let first = interval(&self.energies, energy) * self.width;
+        &self.pieces[first..first + self.width]
     }
 }
 

@@ -1,6 +1,7 @@
 //! Photons at one moment, and the numbers that select their random numbers.
 
 use rayweave_math::Vec3;
+use rayweave_shape::Ray;
 
 /// A photon at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +17,14 @@ pub struct Photon {
     pub energy: f64,
     /// The time in ns.
     pub time: f64,
+}
+
+impl Photon {
+    /// The line of flight.
+    #[inline]
+    pub(crate) fn ray(&self) -> Ray {
+        Ray { origin: self.position, direction: self.direction }
+    }
 }
 
 /// The run that photons are emitted for: what their random numbers depend on, beside their own number.

@@ -5,12 +5,12 @@
 
 use crate::boundary::{AtInterface, BareInterfaces, Boundary, BoundaryEvent};
 use crate::detector::{DetectionRule, Detector};
-use crate::draws::{Draws, Exponentials};
+use crate::draws::Draws;
 use crate::error::PhotonError;
 use crate::flight::{End, Flight};
 use crate::history::{Histories, HistoryOptions, HistoryRecorder, Process, Recorder};
 use crate::hits::Hits;
-use crate::material::{MaterialValues, OpticalMaterial};
+use crate::material::{Bulk, MaterialValues, OpticalMaterial, ValueTable};
 use crate::philox::{Purpose, Stream};
 use crate::photon::{EventKey, Photon};
 use crate::scatter;
@@ -24,7 +24,6 @@ use rayweave_model::{
     Crossing, Evaluator, Face, FirstHits, PlacementId, Query, RayBatch, RegionId, Start, StartLists,
 };
 use rayweave_optics::start_surfaces::ExitSide;
-use rayweave_shape::Ray;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -176,10 +175,14 @@ struct Batch<'d, E: Evaluator, R: Recorder> {
     chunk: Range<usize>,
     /// The same photons in the start lists, which are not moved when a chunk grows.
     listed: Range<usize>,
+    tables: Vec<ValueTable>,
     /// The last values of each material: many photons have the same energy.
     values: Vec<MaterialValues>,
     draws: Draws,
     rays: RayBatch,
+    regions: Vec<u32>,
+    /// The region in which the last photon of a source started.
+    source_region: u32,
     first: Vec<u32>,
     starts: Vec<Start>,
     next_first: Vec<u32>,
@@ -245,7 +248,7 @@ impl Columns {
     }
 }
 
-/// The end of the step of a photon, to which the photon has been moved.
+/// The end of the step of a photon.
 #[derive(Clone, Copy, Debug)]
 enum Stage {
     /// The photon ends.
@@ -254,15 +257,6 @@ enum Stage {
     Bulk(Bulk),
     /// The boundary, with the refractive index in front of it; the number is that of the photon among those at bare interfaces.
     Boundary(f64, Option<u32>),
-}
-
-/// The event that ends a step before the boundary.
-#[derive(Clone, Copy, Debug)]
-enum Bulk {
-    Absorption,
-    Rayleigh,
-    Mie,
-    Shift(usize),
 }
 
 impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
@@ -277,9 +271,12 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             next: Vec::new(),
             chunk: 0..0,
             listed: 0..0,
+            tables: detector.materials.iter().map(ValueTable::new).collect(),
             values: vec![MaterialValues::NONE; detector.materials.len()],
             draws: Draws::new(),
             rays: RayBatch::default(),
+            regions: Vec::new(),
+            source_region: u32::MAX,
             first: vec![0],
             starts: Vec::new(),
             next_first: vec![0],
@@ -325,7 +322,9 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             let some = first..numbers.end.min(first + CHUNK as u64);
             source.emit((self.detector, self.evaluator), &mut self.scratch, key, some, &mut photons);
             self.result.photons += photons.len() as u64;
-            let flight = |(origin, &photon)| Flight { origin, number: key.number(origin), steps: 0, photon };
+            let region = self.source_region;
+            let flight =
+                |(origin, &photon)| Flight { origin, number: key.number(origin), steps: 0, region, photon };
             self.flights.extend((first..).zip(&photons).map(flight));
         }
         self.emitted = photons;
@@ -371,17 +370,19 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
 
     /// The next crossings of the photons of the chunk.
     fn find(&mut self) {
-        let ray =
-            |Flight { photon, .. }: &Flight| Ray { origin: photon.position, direction: photon.direction };
+        let ray = |flight: &Flight| flight.photon.ray();
         let flights = &self.flights[self.chunk.clone()];
         self.rays.replace(flights.iter().map(ray));
+        self.regions.clear();
+        self.regions.extend(flights.iter().map(|flight| flight.region));
         let lists = StartLists { first: &self.first, entries: &self.starts }.slice(self.listed.clone());
         // rays with a start list, even an empty one, may start inside
         let query = Query { starts: Some(lists), ..Query::nearest() };
         self.found.reset(flights.len());
         let Columns { t, face, placement, before, after, normal: [x, y, z], between } = &mut self.found;
         let mut columns = FirstHits { t, face, placement, before, after, normal: Some([x, y, z]) };
-        self.evaluator.nearest_from(self.rays.rays(), &query, &mut self.scratch, &mut columns, between);
+        let query = (&query, &self.regions[..]);
+        self.evaluator.nearest_in(self.rays.rays(), query, &mut self.scratch, &mut columns, between);
         let Columns { face, between, .. } = &mut self.found;
         for ((ray, _), number) in between.iter().zip(0..) {
             face[*ray] = BETWEEN - number;
@@ -428,7 +429,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         }
     }
 
-    /// Moves a photon to the end of its step. If `collects` is true, photons at bare interfaces are collected.
+    /// Moves a photon to the end of its step, unless that is a boundary. If `collects` is true, photons at bare interfaces are collected.
     fn advance(&mut self, i: usize, collects: bool) -> Stage {
         let detector = self.detector;
         let region = self.found.before[i] as usize;
@@ -438,6 +439,10 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             self.recorder.begin(detector, &flight, region as u32, crossing.as_ref());
         }
         let flight = &mut self.flights[self.chunk.start + i];
+        flight.region = region as u32;
+        if flight.steps == 0 {
+            self.source_region = flight.region;
+        }
         if region == 0 && !has_crossing {
             return Stage::End(End::Escaped);
         }
@@ -447,7 +452,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         let medium = detector.material_of[region] as usize;
         let energy = flight.photon.energy;
         if !self.values[medium].is_at(energy) {
-            self.values[medium] = MaterialValues::new(&detector.materials[medium], energy);
+            self.values[medium] = MaterialValues::new(&self.tables[medium], energy);
         }
         let values = &self.values[medium];
         let Some(index) = values.index else {
@@ -455,23 +460,23 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         };
         flight.steps += 1;
         self.result.steps += 1;
-        let mut paths = self.draws.exponentials(i, self.settings.seed, flight);
-        let bulk = free_path(values, &mut paths);
+        let (free, process) = free_path(values, self.draws.exponentials(i), self.settings.seed, flight);
         let to_boundary = if has_crossing { self.found.t[i] } else { f64::INFINITY };
-        let length = bulk.map_or(f64::INFINITY, |(length, _)| length).min(to_boundary);
+        let length = free.min(to_boundary);
         flight.photon.time += length / values.velocity;
         if flight.photon.time > self.settings.max_time {
             return Stage::End(End::TimeLimit);
         }
-        let photon = &mut flight.photon;
-        photon.position = Ray { origin: photon.position, direction: photon.direction }.at(length);
-        match bulk {
-            Some((free, process)) if free < to_boundary => Stage::Bulk(process),
+        let stage = match () {
+            () if free < to_boundary => Stage::Bulk(process),
             // an unbounded material without any process, or the end of the world
-            _ if !has_crossing || self.found.after[i] == 0 => Stage::End(End::Escaped),
-            _ if collects => Stage::Boundary(index, self.collect(i, index)),
-            _ => Stage::Boundary(index, None),
-        }
+            () if !has_crossing || self.found.after[i] == 0 => Stage::End(End::Escaped),
+            // the contact with the surface has the place
+            () if collects => return Stage::Boundary(index, self.collect(i, index)),
+            () => return Stage::Boundary(index, None),
+        };
+        flight.photon.position = flight.photon.ray().at(length);
+        stage
     }
 
     /// Collects photon `i` if it is at a bare interface between two dielectrics; returns its number there.
@@ -530,8 +535,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     }
 
     /// Absorption and emission by a wavelength shifter.
-    fn shift(&mut self, flight: Flight, material: &OpticalMaterial, shifter: usize) {
-        let shifter = &material.shifters[shifter];
+    fn shift(&mut self, flight: Flight, material: &OpticalMaterial, shifter: u8) {
+        let shifter = &material.shifters[usize::from(shifter)];
         let mut stream = Stream::new(self.settings.seed, flight.number, flight.steps, Purpose::Reemission);
         let count = shifter.mean_photons.map_or(1, |mean| stream.poisson(mean));
         // each of them may be absorbed and emitted again: their number has no limit
@@ -581,7 +586,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         (index, bare): (f64, Option<u32>),
     ) {
         let detector = self.detector;
-        let ray = self.rays.rays().get(i);
+        let ray = flight.photon.ray();
         let normal = against(self.found.normal(i), ray.direction);
         let contact = detector.starts.contact(&detector.program, &ray, crossing);
         flight.photon.position = contact.project(normal);
@@ -683,21 +688,22 @@ fn secondary(flight: Flight, emitted: u32) -> u64 {
     1 << 62 | u64::from(a & 0x3fff_ffff) << 32 | u64::from(b)
 }
 
-/// The shortest free path in a material and its process; `None` if there is no process.
-fn free_path(values: &MaterialValues, paths: &mut Exponentials) -> Option<(f64, Bulk)> {
-    let mut shortest: Option<(f64, Bulk)> = None;
-    let mut propose = |mean: Option<f64>, process: Bulk| {
-        let Some(mean) = mean else { return };
-        let length = mean * paths.draw();
-        if shortest.is_none_or(|(other, _)| length < other) {
-            shortest = Some((length, process));
+/// The shortest free path in a material and its process; infinite if there is no process. The first two exponentially
+/// distributed numbers are known.
+#[inline]
+fn free_path(values: &MaterialValues, known: [f64; 2], seed: u64, flight: &Flight) -> (f64, Bulk) {
+    let mut shortest = (f64::INFINITY, Bulk::Absorption);
+    let paths = values.paths();
+    for (&(mean, process), number) in paths.iter().zip(known) {
+        let length = mean * number;
+        shortest = if length < shortest.0 { (length, process) } else { shortest };
+    }
+    if let Some(others @ [_, ..]) = paths.get(2..) {
+        let mut stream = Draws::other_exponentials(seed, flight);
+        for &(mean, process) in others {
+            let length = mean * stream.exponential();
+            shortest = if length < shortest.0 { (length, process) } else { shortest };
         }
-    };
-    propose(values.absorption_length, Bulk::Absorption);
-    propose(values.rayleigh_length, Bulk::Rayleigh);
-    propose(values.mie_length, Bulk::Mie);
-    for (number, &mean) in values.shifter_lengths.iter().enumerate() {
-        propose(mean, Bulk::Shift(number));
     }
     shortest
 }

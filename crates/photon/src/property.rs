@@ -14,6 +14,9 @@ pub fn wavelength_nm(energy: f64) -> f64 {
     HC_MEV_NM / energy
 }
 
+/// The number of points up to which a table is searched point by point.
+const SHORT: usize = 16;
+
 /// A function of the photon energy: linear between its points, constant beyond its ends (as Geant4's
 /// `G4MaterialPropertyVector`).
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +25,32 @@ pub struct PropertyTable {
     values: Vec<f64>,
     /// True if all values are equal: there is nothing to look up.
     is_constant: bool,
+}
+
+/// A linear function of the energy: the value and the energy at its start, and its rise over a width.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece {
+    start: f64,
+    width: f64,
+    value: f64,
+    rise: f64,
+}
+
+impl Piece {
+    #[inline]
+    pub fn at(&self, energy: f64) -> f64 {
+        self.value + self.rise * ((energy - self.start) / self.width)
+    }
+}
+
+/// The number of energies, in ascending order, up to the given one.
+#[inline]
+pub(crate) fn interval(energies: &[f64], energy: f64) -> usize {
+    match energies.len() {
+        // without branches that depend on the energy
+        ..=SHORT => energies.iter().map(|&e| usize::from(e <= energy)).sum(),
+        _ => energies.partition_point(|&e| e <= energy),
+    }
 }
 
 impl PropertyTable {
@@ -56,20 +85,32 @@ impl PropertyTable {
 
     /// The value at an energy in MeV.
     #[must_use]
+    #[inline]
     pub fn at(&self, energy: f64) -> f64 {
-        if self.is_constant {
-            return self.values[0];
-        }
-        let after = self.energies.partition_point(|&e| e <= energy);
-        match after {
-            0 => self.values[0],
-            n if n == self.energies.len() => self.values[n - 1],
+        if self.is_constant { self.values[0] } else { self.interpolated(energy) }
+    }
+
+    fn interpolated(&self, energy: f64) -> f64 {
+        self.piece(energy).at(energy)
+    }
+
+    /// The linear piece of the function at an energy.
+    pub(crate) fn piece(&self, energy: f64) -> Piece {
+        let flat = |value: f64| Piece { start: 0.0, width: 1.0, value, rise: 0.0 };
+        match interval(&self.energies, energy) {
+            0 => flat(self.values[0]),
+            n if n == self.energies.len() => flat(self.values[n - 1]),
             n => {
                 let [e0, e1] = [self.energies[n - 1], self.energies[n]];
                 let [v0, v1] = [self.values[n - 1], self.values[n]];
-                v0 + (v1 - v0) * ((energy - e0) / (e1 - e0))
+                Piece { start: e0, width: e1 - e0, value: v0, rise: v1 - v0 }
             }
         }
+    }
+
+    /// True if all values are equal.
+    pub(crate) fn is_constant(&self) -> bool {
+        self.is_constant
     }
 
     /// A constant.

@@ -183,4 +183,16 @@ impl Evaluator for AnyEvaluator {
     ) {
         each_with!(self, scratch, evaluator => evaluator.nearest_from(rays, query, scratch, hits, between))
     }
+
+    fn nearest_in(
+        &self,
+        rays: Rays<'_>,
+        (query, regions): (&Query<'_>, &[u32]),
+        scratch: &mut AnyScratch,
+        hits: &mut FirstHits<'_>,
+        between: &mut Vec<(usize, Crossing)>,
+    ) {
+        let query = (query, regions);
+        each_with!(self, scratch, evaluator => evaluator.nearest_in(rays, query, scratch, hits, between))
+    }
 }

@@ -291,6 +291,8 @@ struct Firsts<'a, 'c> {
     query: Query<'a>,
     scratch: &'a mut PacketsScratch,
     hits: &'a mut FirstHits<'c>,
+    /// The region in which each ray probably starts: see [`Evaluator::nearest_in`]. Empty if nothing is known.
+    regions: &'a [u32],
     /// Crossings whose two sides belong to different faces.
     between: &'a mut Vec<(usize, Crossing)>,
 }
@@ -587,11 +589,22 @@ impl Evaluator for Packets {
         hits: &mut FirstHits<'_>,
         between: &mut Vec<(usize, Crossing)>,
     ) {
+        self.nearest_in(rays, (query, &[]), scratch, hits, between);
+    }
+
+    fn nearest_in(
+        &self,
+        rays: Rays<'_>,
+        (query, regions): (&Query<'_>, &[u32]),
+        scratch: &mut PacketsScratch,
+        hits: &mut FirstHits<'_>,
+        between: &mut Vec<(usize, Crossing)>,
+    ) {
         let query = Query { limit: Limit::First, ..*query };
         if let (Some(level), Some(objects), None) = (self.level, &self.objects, query.starts) {
             let mut memory = scratch.memory.take().unwrap_or_default();
             let mut ahead = std::mem::take(&mut scratch.ahead);
-            let mut firsts = Firsts { weave: &self.weave, rays, query, scratch, hits, between };
+            let mut firsts = Firsts { weave: &self.weave, rays, query, scratch, hits, regions, between };
             dispatch_wide!(level, simd => firsts.among(simd, objects, &mut memory, &mut ahead));
             (scratch.memory, scratch.ahead) = (Some(memory), ahead);
             return;
@@ -599,7 +612,7 @@ impl Evaluator for Packets {
         if let (Some(level), Some(layers), Some(_)) = (self.level, &self.layers, query.starts) {
             let mut memory = scratch.memory.take().unwrap_or_default();
             let mut walk = std::mem::take(&mut scratch.walk);
-            let mut firsts = Firsts { weave: &self.weave, rays, query, scratch, hits, between };
+            let mut firsts = Firsts { weave: &self.weave, rays, query, scratch, hits, regions, between };
             dispatch_wide!(level, simd => firsts.within(simd, layers, &mut memory, &mut walk));
             (scratch.memory, scratch.walk) = (Some(memory), walk);
             return;
@@ -608,7 +621,7 @@ impl Evaluator for Packets {
             return self.weave.nearest_from(rays, &query, &mut scratch.weave, hits, between);
         };
         let mut memory = scratch.memory.take().unwrap_or_default();
-        let mut take = Firsts { weave: &self.weave, rays, query, scratch, hits, between };
+        let mut take = Firsts { weave: &self.weave, rays, query, scratch, hits, regions, between };
         dispatch_wide!(level, simd => run(simd, plan, &mut memory, rays, &query, plan.is_plain, &mut take));
         scratch.memory = Some(memory);
     }

@@ -77,6 +77,8 @@ struct Part {
     condition: f64,
     /// The numbers of its surfaces.
     surfaces: Vec<u32>,
+    /// The first and the last of them, if they are consecutive numbers.
+    consecutive: Option<[f64; 2]>,
     /// The surfaces of its leaves; the flag is true if the leaf lies where f < 0.
     sides: Vec<(u32, bool)>,
     /// The numbers of its faces, if it is a leaf whose faces are planes.
@@ -141,10 +143,7 @@ impl Objects {
         let mut found =
             Objects { model, objects, parts, steps, boxes, condition, is_few, is_layered, cells, units };
         if is_layered {
-            // a search among few solids is shorter than the work for the lists
-            if !is_few {
-                found.cells = Cells::new(program, &found, &extents);
-            }
+            found.cells = Cells::new(program, &found, &extents);
             found.find_units(program);
         }
         Some(found)
@@ -337,7 +336,8 @@ impl<'p> Gathered<'p> {
         let (limits, condition) = (limits(program, group, all), group.condition);
         let method = self.method(within, group)?;
         let surfaces = method.surfaces();
-        self.parts.push(Part { method, limits, condition, surfaces, sides, planes });
+        let consecutive = consecutive(&surfaces);
+        self.parts.push(Part { method, limits, condition, surfaces, consecutive, sides, planes });
         Some(self.parts.len() as u32 - 1)
     }
 
@@ -417,6 +417,12 @@ fn reordered(parts: &[Part], objects: &mut [Object]) -> Vec<Part> {
     ordered
 }
 
+/// The first and the last of some sorted numbers if none is missing between them.
+fn consecutive(numbers: &[u32]) -> Option<[f64; 2]> {
+    let (first, last) = (*numbers.first()?, *numbers.last()?);
+    ((last - first) as usize + 1 == numbers.len()).then_some([first, last].map(f64::from))
+}
+
 /// The numbers of the faces of a leaf if it is the only one and all of them are planes.
 fn planes(program: &Program, mut leaves: impl Iterator<Item = LeafId>) -> Option<Range<u32>> {
     let (Some(leaf), None) = (leaves.next(), leaves.next()) else { return None };
@@ -475,6 +481,8 @@ struct Search<S: Simd> {
     object: Lanes<S>,
     grazes: Mask<S>,
     always: Mask<S>,
+    /// The rays on which another solid begins or ends at the time of the first change.
+    tied: Mask<S>,
     /// The rays being traced.
     queried: Mask<S>,
 }
@@ -491,6 +499,7 @@ impl<S: Simd> Search<S> {
             object: none,
             grazes: never,
             always,
+            tied: never,
             queried: never,
         }
     }

@@ -49,20 +49,25 @@ impl<S: Simd> Carried<S> {
     pub fn each(simd: S, origin: Vec3Lanes<S>, direction: Vec3Lanes<S>, steps: &[&[Step]; LANES]) -> Self {
         let mut ray = Carried { origin, direction, magnitude: splat(simd, 0.0) };
         for depth in 0..steps[0].len() {
-            let row = |k: usize| Vec3Lanes {
-                x: column(simd, steps, depth, |step| step.place.local_from_world.linear.x_axis[k]),
-                y: column(simd, steps, depth, |step| step.place.local_from_world.linear.y_axis[k]),
-                z: column(simd, steps, depth, |step| step.place.local_from_world.linear.z_axis[k]),
-            };
-            let rows = [row(0), row(1), row(2)];
+            let mut columns = [[0.0; LANES]; 14];
+            for (lane, steps) in steps.iter().enumerate() {
+                let Some(step) = steps.get(depth) else { continue };
+                let Affine { linear, translation } = &step.place.local_from_world;
+                let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
+                let values = [x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z];
+                for k in 0..9 {
+                    columns[k][lane] = values[k];
+                }
+                (columns[9][lane], columns[10][lane]) = (translation.x, translation.y);
+                (columns[11][lane], columns[12][lane]) = (translation.z, step.place.path);
+                columns[13][lane] = step.norm;
+            }
+            let load = |k: usize| Lanes::load_array_ref(simd, &columns[k]);
             let turned = |v: Vec3Lanes<S>| {
-                let [x, y, z] = rows.map(|row| v.dot(row));
-                Vec3Lanes { x, y, z }
+                let row = |k: usize| v.dot(Vec3Lanes { x: load(k), y: load(k + 1), z: load(k + 2) });
+                Vec3Lanes { x: row(0), y: row(3), z: row(6) }
             };
-            let [x, y, z] = [0, 1, 2]
-                .map(|k| column(simd, steps, depth, |step| step.place.local_from_world.translation[k]));
-            let path = column(simd, steps, depth, |step| step.place.path);
-            let norm = column(simd, steps, depth, |step| step.norm);
+            let [x, y, z, path, norm] = [load(9), load(10), load(11), load(12), load(13)];
             ray = Carried {
                 origin: turned(ray.origin).plus(Vec3Lanes { x, y, z }),
                 direction: turned(ray.direction),
@@ -96,17 +101,6 @@ pub(super) fn slabs<S: Simd>(
 ) -> BundleSlabs<S> {
     let components = |v: Vec3Lanes<S>| [v.x, v.y, v.z];
     BundleSlabs::new(simd, components(origin), components(direction), margin)
-}
-
-/// A number of one of the transforms of each ray.
-#[inline(always)]
-fn column<S: Simd>(
-    simd: S,
-    steps: &[&[Step]; LANES],
-    depth: usize,
-    value: impl Fn(&Step) -> f64,
-) -> Lanes<S> {
-    Lanes::load_array(simd, steps.map(|steps| steps.get(depth).map_or(0.0, &value)))
 }
 
 /// The images of vectors, as [`Affine::vector`].

@@ -23,6 +23,8 @@ pub(super) struct Cells {
     sides: Vec<[u32; 2]>,
     /// The part of `sides` for each placement, and the number of its first surface.
     of_placement: Vec<(Range<u32>, u32)>,
+    /// The cell of the only solid of each region.
+    of_region: Vec<u32>,
     /// The distance from the box of a solid within which all others are listed.
     pub slack: f64,
 }
@@ -46,11 +48,18 @@ pub(super) const NONE: u32 = u32::MAX;
 /// a ray meets a surface at a small angle; a separate check covers these cases.
 const SLACK: f64 = 2e-6;
 
+/// Less for models of planes, in the sum of twice the radius and the distance of the model from the origin: a weld that is not
+/// at a grazing angle is 8e5 tolerances long, 5.7e-9 of the lengths of its ray, which are up to five times this sum.
+const SLACK_OF_PLANES: f64 = 1e-7;
+
 /// Largest number of solids in a list.
 const LISTED: usize = 8;
 
 /// Number of boxes that touch the box of a solid above which it gets no list.
 const TOUCHING: usize = 64;
+
+/// Number of solids near a solid up to which those within others are found.
+const NESTED: usize = 16;
 
 /// Largest size of the table of surfaces, in entries per solid.
 const SPARSE: usize = 256;
@@ -65,9 +74,13 @@ struct Draft {
 impl Cells {
     /// The cells of all solids with short lists; `extents` are boxes around all of each solid.
     pub fn new(program: &Program, objects: &Objects, extents: &[Bounds]) -> Cells {
-        let slack = SLACK * objects.model.limits.radius;
+        let limits = &objects.model.limits;
+        let slack = match limits.largest_radius == 0.0 && limits.bend == 0.0 {
+            true => SLACK_OF_PLANES * (2.0 * limits.radius + limits.centre.length()),
+            false => SLACK * limits.radius,
+        };
         let drafts: Vec<Option<Draft>> =
-            (0..extents.len()).map(|k| Draft::new(program, objects, (k, &extents[k]), slack)).collect();
+            (0..extents.len()).map(|k| Draft::new(program, objects, (k, extents), slack)).collect();
         let mut classes = HashMap::new();
         let mut order: Vec<(u32, u32)> = Vec::new();
         for (k, draft) in (0..).zip(&drafts) {
@@ -94,6 +107,7 @@ impl Cells {
             let (list, region) = (first..found.lists.len() as u32, objects.objects[k as usize].region);
             found.cells.push(Cell { list, base: draft.base, region, class });
         }
+        found.of_region = regions(objects, &of_object);
         let around = |k: usize| {
             let mother = drafts[k].as_ref().and_then(|draft| draft.mother);
             mother.map_or(NONE, |mother| of_object[mother as usize])
@@ -154,6 +168,16 @@ impl Cells {
         &self.lists[cell.list.start as usize..cell.list.end as usize]
     }
 
+    /// The number of cells.
+    pub fn count(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// The number of the cell of the only solid of a region; [`NONE`] if there are several, or none.
+    pub fn of_region(&self, region: u32) -> u32 {
+        self.of_region.get(region as usize).copied().unwrap_or(NONE)
+    }
+
     /// The number of the cell in which a ray probably starts; [`NONE`] if there is none. The search finds out if it does
     /// not.
     pub fn of(&self, starts: &[Start]) -> u32 {
@@ -170,15 +194,26 @@ impl Cells {
     }
 }
 
+/// The cell of the only solid of each region, from the cells of all solids.
+fn regions(objects: &Objects, of_object: &[u32]) -> Vec<u32> {
+    let mut found: Vec<Option<u32>> = Vec::new();
+    for (object, &cell) in objects.objects.iter().zip(of_object) {
+        let region = object.region as usize;
+        found.resize(found.len().max(region + 1), None);
+        found[region] = Some(if found[region].is_none() { cell } else { NONE });
+    }
+    found.into_iter().map(|cell| cell.unwrap_or(NONE)).collect()
+}
+
 impl Draft {
     /// The list of a solid; `None` if it is long or has no extent.
     fn new(
         program: &Program,
         objects: &Objects,
-        (own, extent): (usize, &Bounds),
+        (own, extents): (usize, &[Bounds]),
         slack: f64,
     ) -> Option<Draft> {
-        let object = &objects.objects[own];
+        let (object, extent) = (&objects.objects[own], &extents[own]);
         if !extent.is_finite() {
             return None;
         }
@@ -208,6 +243,18 @@ impl Draft {
         let base = mother.map_or(0.0, |k| get(k).region);
         let mut list: Vec<u32> =
             near.into_iter().filter(|&k| k as usize != own && get(k).region > base).collect();
+        if list.len() <= NESTED {
+            let around = |k: u32| extents[k as usize].grown(2.0 * slack);
+            // rays meet the solid around it first, and start elsewhere if they start in that
+            let covers = |k: u32, other: u32| {
+                let shell = get(other);
+                other != k && shell.region > object.region && objects.contains_box(program, shell, &around(k))
+            };
+            let is_covered: Vec<bool> =
+                list.iter().map(|&k| list.iter().any(|&other| covers(k, other))).collect();
+            let mut covered = is_covered.into_iter();
+            list.retain(|_| covered.next() != Some(true));
+        }
         list.sort_by_key(|&k| (get(k).part, get(k).region as u32, k));
         list.insert(0, own as u32);
         // there is no kernel for rays that start on carved solids

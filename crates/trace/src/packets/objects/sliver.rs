@@ -2,7 +2,7 @@
 //! rounding.
 //!
 //! A ray that leaves the solid of its cell and enters another one within the tolerance crosses both faces at once. The decisions
-//! are those of [`Weld`](rayweave_model::weld::Weld), for exactly two changes with one event each.
+//! are those of [`Weld`](rayweave_model::weld::Weld), for exactly two changes with one event each, or one change with two events.
 
 use super::within::Met;
 use super::{First, Objects};
@@ -54,20 +54,20 @@ impl Objects {
         let region = behind.region.0[lane];
         let is_exit = !leaves.is_entry && front.object.0[lane] == own && leaves.t == a;
         let next = later.first().map_or(f64::INFINITY, |end| end.t).min(horizon);
-        if !is_exit || !enters.is_entry || region <= after || enters.t == a || enters.t >= next {
+        let before = first.before.0[lane];
+        // a solid that begins at the time of the exit is included in the region after it
+        let owns = if enters.t == a { region == after && region != before } else { region > after };
+        if !is_exit || !enters.is_entry || !owns || enters.t >= next {
             return None;
         }
         let (b, end) = (enters.t, end.max(next));
         let faces = [(front, front.face.0[lane]), (behind, behind.face.0[lane])];
         let [left, entered] = faces.map(|(met, face)| self.face_of(met.object.0[lane], face));
         let coincides = |face: Face| ray.coincides_along(program, face, a, b);
-        let before = RegionId(first.before.0[lane] as u32);
-        if !(coincides(entered) && coincides(left)) {
+        let before = RegionId(before as u32);
+        if a != b && !(coincides(entered) && coincides(left)) {
             let after = RegionId(after as u32);
             return Some(Crossing { t: a, face: left, left, entered: left, before, after });
-        }
-        if !ray.separated_along(program, entered, b, (next, end)) {
-            return None;
         }
         let [first_leaf, second_leaf] =
             faces.map(|(met, face)| self.leaf_of(program, met.object.0[lane], face));
@@ -76,6 +76,11 @@ impl Objects {
             std::cmp::Ordering::Greater => entered,
             std::cmp::Ordering::Equal => return None,
         };
+        // the face of the last change: events at one time are one change
+        let last = if a == b { face } else { entered };
+        if !ray.separated_along(program, last, b, (next, end)) {
+            return None;
+        }
         Some(Crossing { t: b, face, left, entered, before, after: RegionId(region as u32) })
     }
 

@@ -31,6 +31,9 @@ pub(in super::super) struct Walk {
     order: Vec<u64>,
     /// The rays that start in a cell, with its number in the upper half.
     listed: Vec<u64>,
+    /// Memory for sorting them.
+    unsorted: Vec<u64>,
+    counts: Vec<u32>,
 }
 
 /// For each ray of a bundle, a solid that it may pass.
@@ -104,6 +107,24 @@ struct LaneStart {
     start: Start,
 }
 
+impl Met {
+    /// The solid for the rays in a bit mask only.
+    #[inline(always)]
+    fn of_rays<S: Simd>(self, simd: S, rays: u64) -> Met {
+        let (some, infinity) = (Mask::from_bitmask(simd, rays), splat(simd, f64::INFINITY));
+        let or = |row: &Row, none: Lanes<S>| {
+            Row(some.select(Lanes::load_array_ref(simd, &row.0), none).to_array())
+        };
+        Met {
+            region: or(&self.region, splat(simd, 0.0)),
+            first: or(&self.first, infinity),
+            second: or(&self.second, infinity),
+            inside: self.inside & rays,
+            ..self
+        }
+    }
+}
+
 impl Starts {
     fn read(&mut self, query: &Query<'_>, numbers: &[u64]) {
         self.first = FirstStarts::default();
@@ -140,6 +161,27 @@ struct Eight<'n, S: Simd> {
 /// The lowest bit of a sort key that belongs to the place, not to the direction.
 const PLACE_SHIFT: u32 = 32 + 15;
 
+/// Number of cells per ray above which the rays are sorted by comparisons.
+const MOST_COUNTS: usize = 4;
+
+/// Sorts entries of rays in ascending order, which have the number of a cell in their upper halves, by cells.
+fn sort_by_cell(entries: &[u64], cells: usize, counts: &mut Vec<u32>, sorted: &mut Vec<u64>) {
+    counts.clear();
+    counts.resize(cells + 1, 0);
+    for &entry in entries {
+        counts[cell_of(entry) as usize + 1] += 1;
+    }
+    for cell in 1..counts.len() {
+        counts[cell] += counts[cell - 1];
+    }
+    sorted.resize(entries.len(), 0);
+    for &entry in entries {
+        let place = &mut counts[cell_of(entry) as usize];
+        sorted[*place as usize] = entry;
+        *place += 1;
+    }
+}
+
 /// The cell of an entry of [`Walk::listed`].
 fn cell_of(entry: u64) -> u32 {
     (entry >> 32) as u32
@@ -152,20 +194,29 @@ fn number(entry: u64) -> usize {
 impl<'n, S: Simd> Eight<'n, S> {
     #[inline(always)]
     fn new(simd: S, rays: &Rays<'_>, query: &Query<'_>, numbers: &'n [u64]) -> Self {
-        let ray = |lane: usize| number(numbers[lane.min(numbers.len() - 1)]);
-        let column = |column: &[f64]| Lanes::load_array(simd, std::array::from_fn(|lane| column[ray(lane)]));
-        let vectors = |[x, y, z]: [&[f64]; 3]| Vec3Lanes { x: column(x), y: column(y), z: column(z) };
+        let count = rays.len();
+        let [ox, oy, oz] = rays.origins.map(|column| &column[..count]);
+        let [dx, dy, dz] = rays.directions.map(|column| &column[..count]);
         let t_min = query.window.t_min();
-        let from = |lane: usize| match query.starts {
-            // t = 0 is included: see `Query::is_past`
-            Some(lists) if t_min <= 0.0 && !lists.of(ray(lane)).is_empty() => -f64::from_bits(1),
-            _ => t_min,
-        };
+        // t = 0 is included for rays with start lists: see `Query::is_past`
+        let firsts = query.starts.filter(|_| t_min <= 0.0).map(|lists| &lists.first[..=count]);
+        let (mut rows, last) = ([[t_min; LANES]; 7], numbers.len() - 1);
+        for lane in 0..LANES {
+            let ray = number(numbers[lane.min(last)]);
+            (rows[0][lane], rows[1][lane], rows[2][lane]) = (ox[ray], oy[ray], oz[ray]);
+            (rows[3][lane], rows[4][lane], rows[5][lane]) = (dx[ray], dy[ray], dz[ray]);
+            if let Some(firsts) = firsts
+                && firsts[ray + 1] > firsts[ray]
+            {
+                rows[6][lane] = -f64::from_bits(1);
+            }
+        }
+        let load = |k: usize| Lanes::load_array_ref(simd, &rows[k]);
         Eight {
             numbers,
-            origin: vectors(rays.origins),
-            direction: vectors(rays.directions),
-            from: Lanes::load_array(simd, std::array::from_fn(from)),
+            origin: Vec3Lanes { x: load(0), y: load(1), z: load(2) },
+            direction: Vec3Lanes { x: load(3), y: load(4), z: load(5) },
+            from: load(6),
         }
     }
 
@@ -215,8 +266,8 @@ impl Firsts<'_, '_> {
         walk: &mut Walk,
     ) {
         let mut group = BundleEvaluation::new(simd, memory);
-        let (mut order, mut listed) = (std::mem::take(&mut walk.order), std::mem::take(&mut walk.listed));
-        objects.split(&self.query, self.rays.len(), &mut listed, &mut order);
+        objects.split(&self.query, (self.rays.len(), self.regions), walk);
+        let (mut order, listed) = (std::mem::take(&mut walk.order), std::mem::take(&mut walk.listed));
         let class = |entry: &u64| objects.cells.get(cell_of(*entry)).class;
         for numbers in listed.chunk_by(|a, b| class(a) == class(b)).flat_map(|same| same.chunks(LANES)) {
             let program = self.weave.program();
@@ -325,21 +376,33 @@ impl Objects {
         order.sort_unstable();
     }
 
-    /// Lists the rays that start in a cell, sorted by cells, and the others.
-    fn split(&self, query: &Query<'_>, count: usize, listed: &mut Vec<u64>, others: &mut Vec<u64>) {
+    /// Lists the rays that start in a cell, sorted by cells, and the others. `regions` are the regions in which rays without a
+    /// start list probably are.
+    fn split(&self, query: &Query<'_>, (count, regions): (usize, &[u32]), walk: &mut Walk) {
+        let Walk { order, listed, unsorted, counts, .. } = walk;
         listed.clear();
-        others.clear();
+        order.clear();
         let Some(lists) = query.starts.filter(|_| !self.cells.is_empty() && query.window.t_min() <= 0.0)
         else {
-            return others.extend(0..count as u64);
+            return order.extend(0..count as u64);
         };
+        unsorted.clear();
+        let (entries, firsts) = (lists.entries, &lists.first[..=count]);
         for ray in 0..count {
-            match self.cells.of(lists.of(ray)) {
-                NONE => others.push(ray as u64),
-                cell => listed.push(u64::from(cell) << 32 | ray as u64),
+            let cell = match &entries[firsts[ray] as usize..firsts[ray + 1] as usize] {
+                [] => regions.get(ray).map_or(NONE, |&region| self.cells.of_region(region)),
+                starts => self.cells.of(starts),
+            };
+            match cell {
+                NONE => order.push(ray as u64),
+                cell => unsorted.push(u64::from(cell) << 32 | ray as u64),
             }
         }
-        listed.sort_unstable();
+        if self.cells.count() > MOST_COUNTS * unsorted.len() {
+            std::mem::swap(listed, unsorted);
+            return listed.sort_unstable();
+        }
+        sort_by_cell(unsorted, self.cells.count(), counts, listed);
     }
 
     /// The first hits of eight rays that start in cells of one class.
@@ -361,10 +424,16 @@ impl Objects {
         let (from, t_max) = (eight.from, query.window.t_max());
         let queried = Mask::from_bitmask(simd, some);
         let last = eight.numbers.len() - 1;
-        let cells: [&Cell; LANES] =
-            std::array::from_fn(|lane| self.cells.get(cell_of(eight.numbers[lane.min(last)])));
-        let column = |value: fn(&Cell) -> f64| Lanes::load_array(simd, cells.map(value));
-        let (base, region) = (column(|cell| cell.base), column(|cell| cell.region));
+        let mut cells: [&Cell; LANES] = [self.cells.get(cell_of(eight.numbers[0])); LANES];
+        for (cell, &entry) in cells.iter_mut().zip(eight.numbers) {
+            *cell = self.cells.get(cell_of(entry));
+        }
+        let (mut base, mut region, mut own) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for lane in 0..LANES {
+            (base[lane], region[lane]) = (cells[lane].base, cells[lane].region);
+            own[lane] = f64::from(self.cells.list(cells[lane])[0]);
+        }
+        let [base, region, own] = [base, region, own].map(|row| Lanes::load_array(simd, row));
         let mut progress =
             Progress { owner: base, bound: splat(simd, f64::INFINITY), uncertain: uncertain.always };
         let rays = Departures { ray: &ray, starts, queried, from, t_max };
@@ -373,19 +442,29 @@ impl Objects {
             let found = match is_one {
                 true => self.meet(group, item, &rays, &mut progress),
                 false => {
-                    let items = cells.map(|cell| self.cells.list(cell)[k]);
+                    let mut items = [item; LANES];
+                    for (item, cell) in items.iter_mut().zip(&cells) {
+                        *item = self.cells.list(cell)[k];
+                    }
                     self.meet_each(group, &items, some, &rays, &mut progress)
                 }
             };
             met.extend(found);
         }
-        let elsewhere = !progress.owner.simd_eq(region) & queried;
+        // of several copies of one region, the solid of the cell must be the one
+        let is_own = met.first().map_or(Mask::splat(simd, false), |met| {
+            let object = Lanes::load_array_ref(simd, &met.object.0);
+            Mask::from_bitmask(simd, met.inside) & object.simd_eq(own)
+        });
+        let elsewhere = !(progress.owner.simd_eq(region) & is_own) & queried;
         progress.uncertain &= !elsewhere;
-        let (search, before, after) = first_change(simd, met, &progress, (queried & !elsewhere, base));
+        let (mut search, before, after) = first_change(simd, met, &progress, (queried & !elsewhere, base));
+        let other_reasons = (search.always | search.grazes).to_bitmask();
+        search.always |= search.tied;
         let behind = splat(simd, self.cells.slack) / ray.direction.taxicab();
         let mut first = self.found(simd, &ray, &search, behind, (program, query.window));
         (first.before, first.region) = (Row(before.to_array()), Row(after.to_array()));
-        let close = first.uncertain & !(search.always | search.grazes).to_bitmask();
+        let close = first.uncertain & !other_reasons;
         (first, Unsure { elsewhere: elsewhere.to_bitmask(), close })
     }
 
@@ -424,7 +503,8 @@ impl Objects {
             true => self.pass_together(group, ahead, &rays, boxes, met, &mut progress),
             false => self.pass_apart(group, apart, &rays, boxes, met, &mut progress),
         }
-        let (search, before, after) = first_change(simd, met, &progress, (queried, splat(simd, 0.0)));
+        let (mut search, before, after) = first_change(simd, met, &progress, (queried, splat(simd, 0.0)));
+        search.always |= search.tied;
         let mut first = self.found(simd, &ray, &search, behind, (program, window));
         (first.before, first.region) = (Row(before.to_array()), Row(after.to_array()));
         first
@@ -495,7 +575,8 @@ impl Objects {
                 false => self.meet_each(group, &items, left, rays, progress),
             };
             if let Some(found) = found {
-                met.push(found);
+                // rays that have ended their ways may have met the solid before
+                met.push(found.of_rays(simd, left));
                 until = Row((progress.bound + behind).min(end).to_array());
             }
         }
@@ -711,17 +792,18 @@ const fn spread() -> [u64; 32] {
 fn listed<S: Simd>(simd: S, placement: &Row, part: &Part, starts: &Starts) -> (Option<LaneStarts<S>>, u64) {
     let Starts { first, others } = starts;
     let here = Lanes::load_array_ref(simd, &placement.0);
-    let mut left = Lanes::load_array_ref(simd, &first.placement.0).simd_eq(here).to_bitmask();
-    let (mut surface, mut inside, mut known, mut several) = (Row([-1.0; LANES]), first.inside, 0u64, 0);
-    while left != 0 {
-        let lane = left.trailing_zeros() as usize % LANES;
-        left &= left - 1;
-        let number = first.surface.0[lane];
-        if part.surfaces.contains(&(number as u32)) {
-            known |= 1 << lane;
-            surface.0[lane] = number;
+    let number = Lanes::load_array_ref(simd, &first.surface.0);
+    let is_here = Lanes::load_array_ref(simd, &first.placement.0).simd_eq(here);
+    let is_known = match part.consecutive {
+        Some([low, high]) => is_here & number.simd_ge(low) & number.simd_le(high),
+        None => {
+            let is_own = |&lane: &usize| part.surfaces.contains(&(first.surface.0[lane] as u32));
+            let own = lanes_of(is_here.to_bitmask()).filter(is_own).fold(0, |all, lane| all | 1 << lane);
+            Mask::from_bitmask(simd, own)
         }
-    }
+    };
+    let (mut known, mut inside, mut several) = (is_known.to_bitmask(), first.inside, 0);
+    let mut surface = Row(is_known.select(number, splat(simd, -1.0)).to_array());
     for &LaneStart { lane, start } in others {
         let is_here = f64::from(start.placement.0) == placement.0[lane % LANES];
         if is_here && part.surfaces.contains(&start.surface.0) {
@@ -796,7 +878,7 @@ fn first_change<S: Simd>(
         let holds = (inside & !begun) | (!inside & begun & first.simd_lt(second));
         after = (holds & region.simd_gt(after)).select(region, after);
         let is_other = !object.simd_eq(own);
-        search.always |= is_hit & is_other & (t.simd_eq(first) | second.simd_eq(first));
+        search.tied |= is_hit & is_other & (t.simd_eq(first) | second.simd_eq(first));
         let is_multiple = Mask::from_bitmask(simd, !solid.single);
         search.always |= is_hit & is_multiple & first.simd_ge(second);
     }
