@@ -23,7 +23,7 @@ pub struct RayTraversals {
 struct SlabRay {
     /// For each axis, the numbers of the planes that the ray enters and leaves the boxes by.
     planes: [[usize; 2]; 3],
-    /// What these planes are compared with: the origin with the margin.
+    /// The other side of the comparison with these planes: the origin with the margin.
     origin: [[f64; 2]; 3],
     inverse: [f64; 3],
     from: f64,

@@ -688,13 +688,13 @@ fn secondary(flight: Flight, emitted: u32) -> u64 {
     1 << 62 | u64::from(a & 0x3fff_ffff) << 32 | u64::from(b)
 }
 
-/// The shortest free path in a material and its process; infinite if there is no process. The first two exponentially
-/// distributed numbers are known.
+/// The shortest free path in a material and its process; infinite if there is no process. `first_two` are the first two
+/// exponentially distributed numbers of the step.
 #[inline]
-fn free_path(values: &MaterialValues, known: [f64; 2], seed: u64, flight: &Flight) -> (f64, Bulk) {
+fn free_path(values: &MaterialValues, first_two: [f64; 2], seed: u64, flight: &Flight) -> (f64, Bulk) {
     let mut shortest = (f64::INFINITY, Bulk::Absorption);
     let paths = values.paths();
-    for (&(mean, process), number) in paths.iter().zip(known) {
+    for (&(mean, process), number) in paths.iter().zip(first_two) {
         let length = mean * number;
         shortest = if length < shortest.0 { (length, process) } else { shortest };
     }

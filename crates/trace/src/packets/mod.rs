@@ -291,7 +291,7 @@ struct Firsts<'a, 'c> {
     query: Query<'a>,
     scratch: &'a mut PacketsScratch,
     hits: &'a mut FirstHits<'c>,
-    /// The region in which each ray probably starts: see [`Evaluator::nearest_in`]. Empty if nothing is known.
+    /// The region in which each ray probably starts: see [`Evaluator::nearest_in`]. Empty without such a guess.
     regions: &'a [u32],
     /// Crossings whose two sides belong to different faces.
     between: &'a mut Vec<(usize, Crossing)>,
