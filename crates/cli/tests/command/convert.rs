@@ -94,7 +94,7 @@ fn a_failed_write_leaves_no_file() {
 fn open_meshes_are_refused_with_position_and_count_or_repaired() {
     let bench = Bench::new();
     bench.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
-    let refused = bench.fails(3, &["info", "open.obj"]);
+    let refused = bench.fails(3, &["volume", "open.obj"]);
     assert!(refused.contains("3 edges belong to an odd number of triangles, the first at"), "{refused}");
     assert!(refused.contains("holes: 1") && refused.contains("--repair"), "{refused}");
     let mended = bench.run(&["info", "open.obj", "--repair", "--unit", "in"]);

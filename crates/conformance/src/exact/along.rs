@@ -2,7 +2,7 @@
 
 use super::root::{Root, SignChanges, sign_changes};
 use super::{Dyadic, Line, Surface};
-use rayweave_math::{Affine, UNIT_ROUNDOFF};
+use rayweave_math::{Affine, UNIT_ROUNDOFF, Vec3};
 use rayweave_model::Ball;
 use rayweave_shape::Ray;
 
@@ -126,8 +126,8 @@ impl SurfacePolynomial {
             .try_fold(first, |all, verdict| if verdict? == all { Ok(all) } else { Err(Uncertain::InSurface) })
     }
 
-    /// True if the chord lies in the surface: tested in its middle, at its ends and near the start of the
-    /// ray, where the tolerance is smallest.
+    /// True if the chord lies in the surface: tested in its middle, at its ends, near the start of the ray, where the tolerance
+    /// is smallest, and where the gradient is shortest.
     fn keeps_to(
         surface: &Surface,
         c: &[Dyadic; 3],
@@ -143,11 +143,36 @@ impl SurfacePolynomial {
         let length = (line.ray.origin.length() + surface.magnitude) / line.ray.direction.length();
         let start = 0.0f64.clamp(a, b);
         let times = [a, b, start, (start - length).max(a), (start + length).min(b)];
-        match times.into_iter().map(depth).fold(inner, f64::max) {
+        let deepest = times.into_iter().map(depth).fold(inner, f64::max);
+        match deepest.max(Self::depth_at_shortest_gradient(surface, c, line, (middle, half))) {
             deepest if deepest > GREY => Ok(false),
             deepest if deepest * GREY < 1.0 => Ok(true),
             _ => Err(Uncertain::InSurface),
         }
+    }
+
+    /// The depth at the time of the shortest gradient, if that is on the chord; else 0. The gradient is linear along the ray. It
+    /// may be 0 there, so the change of the gradient within the tolerance is added to it.
+    fn depth_at_shortest_gradient(
+        surface: &Surface,
+        c: &[Dyadic; 3],
+        line: &Line,
+        (middle, half): (f64, f64),
+    ) -> f64 {
+        let gradient = |t: &Dyadic| surface.gradient(&line.at(t));
+        let middle = Dyadic::from(middle);
+        let (here, next) = (gradient(&middle), gradient(&(&middle + &Dyadic::ONE)));
+        let rate = Vec3::from_array(std::array::from_fn(|k| (&next[k] - &here[k]).to_f64()));
+        let here = Vec3::from_array(here.map(|g| g.to_f64()));
+        let later = -here.dot(rate) / rate.length_squared();
+        if later.is_nan() || later.abs() >= half {
+            return 0.0;
+        }
+        let t = &middle + &Dyadic::from(later);
+        let delta = delta(surface, line, t.to_f64());
+        // a quarter of the bound along w is the change of the gradient itself
+        let slope = surface.slope(&line.at(&t)) + 0.25 * surface.bend() * delta;
+        polynomial(c, &t).to_f64().abs() / slope / delta
     }
 
     /// Upper bound of the change of a root if the surface moves by `by`.
