@@ -156,3 +156,24 @@ fn sheets_cut_only_the_views_onto_the_cut_face() {
     let svg = sheet.to_svg("box");
     assert!(svg.contains(">right, cut</text>") && svg.contains(">top</text>"), "{}", &svg[..400]);
 }
+
+/// No view of a sheet is from behind: a cut of the part there is made in all views, as in a sheet of the cut model.
+#[test]
+fn sheets_show_a_cut_that_no_view_looks_onto() {
+    let text = "rayweave = 1\n[solid.box]\nbox = { size = 4 }\n[[region]]\nsolid = \"box\"\nmedium = \"m\"\n[medium.m]";
+    let (_, scene) = rayweave_scene::parse(text).unwrap();
+    let cut: CutAway = "y>50%".parse().unwrap();
+    let open = cut.apply(&scene).unwrap();
+    let compiled = Compiled::new(&open).unwrap();
+    let evaluator = AnyEvaluator::new(None, compiled.program.clone()).unwrap();
+    let whole = AnyEvaluator::new(None, Compiled::new(&scene).unwrap().program).unwrap();
+    let options = PictureOptions { size: Some(Size::new(320, 240).unwrap()), ..PictureOptions::default() };
+    let (kind, run) = (SheetKind::Views, &mut Run::default());
+    let whole = WholeModel { cut: &cut, evaluator: &whole };
+    let sheet = PictureSheet::draw_cut(kind, &open, &compiled, &evaluator, whole, &options, run).unwrap();
+    let expected = PictureSheet::draw(kind, &open, &compiled, &evaluator, &options, run).unwrap();
+    let images = |sheet: &PictureSheet| -> Vec<Vec<[u8; 4]>> {
+        sheet.pictures().iter().map(|picture| picture.image.values().to_vec()).collect()
+    };
+    assert!(images(&sheet) == images(&expected));
+}

@@ -38,7 +38,7 @@ impl MeshFile {
     ///
     /// # Errors
     ///
-    /// [`Diagnostics`]: the file cannot be read, or states a unit although [`Options::unit`] is given.
+    /// [`Diagnostics`]: the file cannot be read, has no triangles, or states a unit although [`Options::unit`] is given.
     pub fn load(
         path: impl AsRef<Path>,
         format: MeshFormat,
@@ -49,6 +49,10 @@ impl MeshFile {
         let limits = limits();
         let mut import = Import::new(&source, format, options);
         let (unit, mut meshes) = import.meshes(read(path, format, options, &limits), &limits)?;
+        if meshes.iter().all(|(_, mesh)| mesh.triangles().is_empty()) {
+            let empty = Diagnostic::error("the mesh is empty").why("the file has no triangles");
+            return Err(Diagnostics::from(empty.in_file(&source)));
+        }
         if options.repair {
             for (name, mesh) in &mut meshes {
                 let (mended, done) =

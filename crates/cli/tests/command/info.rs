@@ -218,4 +218,7 @@ fn an_open_mesh_file_in_numbers() {
     assert!(repaired.code == 0 && repaired.err.contains("1 plane holes filled"), "{}", repaired.err);
     let facts: serde_json::Value = serde_json::from_str(&repaired.out).unwrap();
     assert_eq!(facts["meshes"][0]["volume"], json!(7.0));
+    bench.write("empty.obj", "");
+    let refused = bench.fails(3, &["info", "empty.obj"]);
+    assert!(refused.contains("the mesh is empty: the file has no triangles."), "{refused}");
 }

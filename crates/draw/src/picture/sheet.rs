@@ -208,6 +208,11 @@ impl PictureSheet {
         // one box for all views keeps them in line
         let program = whole.map_or(cut, |whole| whole.evaluator).program();
         let cameras = to_one_scale(VIEWS.map(|(view, ..)| view.fit(program, cell)));
+        // a cut that no view looks onto is still shown, from behind
+        let is_seen = |whole: &&WholeModel<'_, E>| {
+            cameras.iter().any(|camera| whole.cut.is_seen_along(camera.forward()))
+        };
+        let whole = whole.filter(is_seen);
         for ((view, column, row), camera) in VIEWS.into_iter().zip(cameras) {
             let (x, y) = (MARGIN + column * (left + MARGIN), HEAD + row * (tall + HEAD));
             let (evaluator, name) = match whole {
