@@ -126,6 +126,15 @@ fn kinds_of_pictures_have_names() {
     assert_eq!(cancelled.unwrap_err().kind(), ErrorKind::Cancelled);
 }
 
+/// The cut scene, compiled, and the evaluators of the cut and of the whole scene.
+fn cut_open(scene: &Scene, cut: &CutAway) -> (Scene, Compiled, [AnyEvaluator; 2]) {
+    let open = cut.apply(scene).unwrap();
+    let compiled = Compiled::new(&open).unwrap();
+    let programs = [compiled.program.clone(), Compiled::new(scene).unwrap().program];
+    let evaluators = programs.map(|program| AnyEvaluator::new(None, program).unwrap());
+    (open, compiled, evaluators)
+}
+
 /// Only the views that look onto a cut face are cut: a ball in a box is visible from the right, where x > 50 % is removed, and from
 /// the upper right, and hidden in the other views.
 #[test]
@@ -135,10 +144,7 @@ fn sheets_cut_only_the_views_onto_the_cut_face() {
          [medium.steel]\ncolour = \"#0000ff\"\n[medium.gold]\ncolour = \"#ff0000\"";
     let (_, scene) = rayweave_scene::parse(text).unwrap();
     let cut: CutAway = "x>50%".parse().unwrap();
-    let open = cut.apply(&scene).unwrap();
-    let compiled = Compiled::new(&open).unwrap();
-    let evaluator = AnyEvaluator::new(None, compiled.program.clone()).unwrap();
-    let whole = AnyEvaluator::new(None, Compiled::new(&scene).unwrap().program).unwrap();
+    let (open, compiled, [evaluator, whole]) = cut_open(&scene, &cut);
     let options = PictureOptions {
         size: Some(Size::new(320, 240).unwrap()),
         style: Some(Style::Flat),
@@ -163,10 +169,7 @@ fn sheets_show_a_cut_that_no_view_looks_onto() {
     let text = "rayweave = 1\n[solid.box]\nbox = { size = 4 }\n[[region]]\nsolid = \"box\"\nmedium = \"m\"\n[medium.m]";
     let (_, scene) = rayweave_scene::parse(text).unwrap();
     let cut: CutAway = "y>50%".parse().unwrap();
-    let open = cut.apply(&scene).unwrap();
-    let compiled = Compiled::new(&open).unwrap();
-    let evaluator = AnyEvaluator::new(None, compiled.program.clone()).unwrap();
-    let whole = AnyEvaluator::new(None, Compiled::new(&scene).unwrap().program).unwrap();
+    let (open, compiled, [evaluator, whole]) = cut_open(&scene, &cut);
     let options = PictureOptions { size: Some(Size::new(320, 240).unwrap()), ..PictureOptions::default() };
     let (kind, run) = (SheetKind::Views, &mut Run::default());
     let whole = WholeModel { cut: &cut, evaluator: &whole };

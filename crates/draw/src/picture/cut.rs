@@ -71,9 +71,7 @@ impl CutAway {
         }
         Ok(scene)
     }
-}
 
-impl CutAway {
     /// True if a view in this direction, a unit vector, looks onto a cut face: the removed part is in front of it.
     pub fn is_seen_along(&self, forward: Vec3) -> bool {
         // views at a slant, such as the one from the upper right, see faces across all three axes
