@@ -153,8 +153,17 @@ impl Device {
 
     /// Waits for all submitted work.
     pub fn wait(&self) -> Result<(), GpuError> {
+        self.poll(wgpu::PollType::wait_indefinitely())
+    }
+
+    /// Waits for a submission.
+    pub fn wait_for(&self, submitted: wgpu::SubmissionIndex) -> Result<(), GpuError> {
+        self.poll(wgpu::PollType::Wait { submission_index: Some(submitted), timeout: None })
+    }
+
+    fn poll(&self, until: wgpu::PollType) -> Result<(), GpuError> {
         self.check()?;
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| GpuError::Lost {
+        self.device.poll(until).map_err(|error| GpuError::Lost {
             adapter: self.adapter.clone(),
             reason: one_line(&error.to_string()),
         })?;
@@ -168,6 +177,21 @@ impl Device {
         bytes: u64,
         usage: wgpu::BufferUsages,
     ) -> Result<wgpu::Buffer, GpuError> {
+        self.create(what, bytes, usage, false)
+    }
+
+    /// A buffer that the CPU writes and the device copies from, mapped.
+    pub fn mapped_buffer(&self, what: &'static str, bytes: u64) -> Result<wgpu::Buffer, GpuError> {
+        self.create(what, bytes, wgpu::BufferUsages::MAP_WRITE | wgpu::BufferUsages::COPY_SRC, true)
+    }
+
+    fn create(
+        &self,
+        what: &'static str,
+        bytes: u64,
+        usage: wgpu::BufferUsages,
+        mapped: bool,
+    ) -> Result<wgpu::Buffer, GpuError> {
         if bytes > self.limit {
             return Err(GpuError::TooLarge { what, bytes, limit: self.limit });
         }
@@ -175,7 +199,7 @@ impl Device {
             label: Some(what),
             size: bytes.max(16),
             usage,
-            mapped_at_creation: false,
+            mapped_at_creation: mapped,
         };
         let buffer = self.device.create_buffer(&descriptor);
         self.check()?;

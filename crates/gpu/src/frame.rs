@@ -60,6 +60,11 @@ pub(crate) struct DeviceRay {
     pub error: f32,
 }
 
+impl DeviceRay {
+    /// A ray that is not traced: with the direction zero it is uncertain.
+    pub const NONE: DeviceRay = DeviceRay { origin: [0.0; 3], start: 0.0, direction: [0.0; 3], error: 0.0 };
+}
+
 /// The times of a ray from device times: `shift + t * rate`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Clock {
@@ -67,14 +72,14 @@ pub(crate) struct Clock {
     pub rate: f64,
 }
 
-/// What happens to a ray.
+/// Where a ray is traced.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Sent {
-    /// The device traces it.
-    Device(DeviceRay, Clock),
-    /// It passes the model at a distance: no crossing, and it starts in the world.
+pub(crate) enum Route {
+    /// On the device.
+    Device(Clock),
+    /// Nowhere: it passes the model at a distance, so it has no crossing and starts in the world.
     Passes,
-    /// The CPU traces it: it starts too far away for the bounds to settle anything.
+    /// On the CPU: it starts too far away for the bounds to settle anything.
     Cpu,
 }
 
@@ -95,41 +100,55 @@ impl Sender {
     /// digits. The bound of the error of its origin includes, besides the rounding to f32, the tolerance of the CPU's
     /// kernels: a root computed there lies within `64 u (|o| + |t| |d| + magnitude)` of the surface, for the times at which
     /// the ray is near the model, and the shift has an error of the same form. Four times that leaves room for both.
-    pub fn send(&self, rays: &Rays<'_>, i: usize) -> Sent {
+    pub fn send(&self, rays: &Rays<'_>, i: usize) -> (Route, DeviceRay) {
         let ray = rays.get(i);
         let Frame { centre, scale } = self.frame;
-        let largest = ray.direction.abs().max_element();
-        let scaled = ray.direction / largest;
-        let speed = scaled.length();
-        let unit = scaled / speed;
+        // a power of two
+        let per_scale = 1.0 / scale;
+        let (direction, factor) = squarable(ray.direction);
+        let per_length = 1.0 / direction.length();
+        let unit = direction * per_length;
         let offset = ray.origin - centre;
-        let distance = offset.length();
+        let square = offset.length_squared();
         // the time of the moved origin, as a length
-        let shift = if distance <= NEAR * 0.5 * scale { 0.0 } else { -offset.dot(unit) };
-        let at = (offset + shift * unit) / scale;
-        let lengths = ray.origin.length() + centre.length() + 2.0 * distance + 16.0 * scale + self.magnitude;
-        let tolerance = 4.0 * 64.0 * UNIT_ROUNDOFF * lengths / scale;
+        let shift = if square <= 0.25 * NEAR * NEAR * scale * scale { 0.0 } else { -offset.dot(unit) };
+        let at = (offset + shift * unit) * per_scale;
+        // sums of components are upper bounds of lengths; |offset| <= |origin| + |centre|
+        let lengths = 3.0 * (l1(ray.origin) + l1(centre)) + 16.0 * scale + self.magnitude;
+        let tolerance = 4.0 * 64.0 * UNIT_ROUNDOFF * lengths * per_scale;
         // NaN compares false
         if !(at.abs().max_element() <= NEAR && tolerance < MOST_TOLERANCE) {
             let misses = self.bounded && tolerance < MOST_TOLERANCE && at.is_finite();
-            return if misses { Sent::Passes } else { Sent::Cpu };
+            return (if misses { Route::Passes } else { Route::Cpu }, DeviceRay::NONE);
         }
-        if shift < 0.0 && self.bounded && distance > 2.0 * scale {
+        if shift < 0.0 && self.bounded && square > 4.0 * scale * scale {
             // behind the start, and outside of everything
-            return Sent::Passes;
+            return (Route::Passes, DeviceRay::NONE);
         }
-        let start = -shift / scale;
         let origin = at.to_array().map(|x| x as f32);
         let error = (0..3).map(|k| (at[k] - f64::from(origin[k])).abs()).fold(0.0, f64::max);
         let device = DeviceRay {
             origin,
-            start: start as f32,
+            start: (-shift * per_scale) as f32,
             direction: unit.to_array().map(|x| x as f32),
             error: above(error + tolerance),
         };
-        let per_time = largest * speed;
-        Sent::Device(device, Clock { shift: shift / per_time, rate: scale / per_time })
+        let per_speed = factor * per_length;
+        (Route::Device(Clock { shift: shift * per_speed, rate: scale * per_speed }), device)
     }
+}
+
+/// A direction whose squared length neither overflows nor loses digits, and its ratio to the given one.
+fn squarable(direction: Vec3) -> (Vec3, f64) {
+    let largest = direction.abs().max_element();
+    let factor = if (1e-100..1e100).contains(&largest) { 1.0 } else { 1.0 / largest };
+    (direction * factor, factor)
+}
+
+/// The sum of the absolute values of the components.
+fn l1(v: Vec3) -> f64 {
+    let v = v.abs();
+    v.x + v.y + v.z
 }
 
 /// A number of f32 that is not less than a non-negative one.
@@ -149,7 +168,7 @@ mod tests {
         Sender { frame, bounded, magnitude: 10.0 }
     }
 
-    fn send(bounded: bool, origin: Vec3, direction: Vec3) -> Sent {
+    fn send(bounded: bool, origin: Vec3, direction: Vec3) -> (Route, DeviceRay) {
         sender(bounded).send(&RayBatch::from_iter([Ray::new(origin, direction)]).rays(), 0)
     }
 
@@ -157,7 +176,7 @@ mod tests {
     fn times_of_the_device_lead_back_to_points_of_the_ray() {
         for origin in [Vec3::new(2.0, 2.0, 2.0), Vec3::new(-900.0, 300.0, 40.0)] {
             let direction = 7.0 * (Vec3::new(1.5, 2.0, 3.5) - origin);
-            let Sent::Device(ray, clock) = send(true, origin, direction) else { panic!("{origin}") };
+            let (Route::Device(clock), ray) = send(true, origin, direction) else { panic!("{origin}") };
             let [o, d] = [ray.origin, ray.direction].map(|v| Vec3::from_array(v.map(f64::from)));
             for t in [-1.0, 0.0, 2.0] {
                 let there = sender(true).frame.point(origin + (clock.shift + t * clock.rate) * direction);
@@ -173,11 +192,11 @@ mod tests {
 
     #[test]
     fn rays_that_pass_or_come_from_too_far_are_not_sent() {
-        assert_eq!(send(true, Vec3::new(100.0, 100.0, 0.0), Vec3::X), Sent::Passes);
-        assert_eq!(send(true, Vec3::new(100.0, 2.0, 3.0), Vec3::X), Sent::Passes);
-        assert_eq!(send(false, Vec3::new(100.0, 100.0, 0.0), Vec3::X), Sent::Cpu);
-        assert!(matches!(send(false, Vec3::new(100.0, 2.0, 3.0), Vec3::X), Sent::Device(..)));
-        assert_eq!(send(true, Vec3::new(1e14, 2.0, 3.0), -Vec3::X), Sent::Cpu);
+        assert_eq!(send(true, Vec3::new(100.0, 100.0, 0.0), Vec3::X), (Route::Passes, DeviceRay::NONE));
+        assert_eq!(send(true, Vec3::new(100.0, 2.0, 3.0), Vec3::X), (Route::Passes, DeviceRay::NONE));
+        assert_eq!(send(false, Vec3::new(100.0, 100.0, 0.0), Vec3::X), (Route::Cpu, DeviceRay::NONE));
+        assert!(matches!(send(false, Vec3::new(100.0, 2.0, 3.0), Vec3::X), (Route::Device(_), _)));
+        assert_eq!(send(true, Vec3::new(1e14, 2.0, 3.0), -Vec3::X), (Route::Cpu, DeviceRay::NONE));
     }
 
     #[test]

@@ -38,18 +38,18 @@ pub(crate) struct Kernel {
 /// Buffers for batches of up to a number of rays.
 #[derive(Debug)]
 pub(crate) struct Slot {
+    /// Mapped between batches.
+    up: wgpu::Buffer,
     rays: wgpu::Buffer,
     answers: wgpu::Buffer,
     back: wgpu::Buffer,
     params: wgpu::Buffer,
     group: wgpu::BindGroup,
-}
-
-/// A batch under way.
-#[derive(Debug)]
-pub(crate) struct Pending {
-    count: usize,
-    done: mpsc::Receiver<Result<(), wgpu::BufferAsyncError>>,
+    /// The number of rays that fit, and the rows of an answer.
+    most: usize,
+    rows: usize,
+    /// The number of rays in the parameters.
+    count: Option<usize>,
 }
 
 /// An answer of the device: see `answer` in the shader.
@@ -112,8 +112,9 @@ impl Kernel {
     pub fn slot(&self, most: usize) -> Result<Slot, GpuError> {
         use wgpu::BufferUsages as Usage;
         let device = self.device();
-        let answer = (self.answer_bytes() * most) as u64;
-        let rays = device.buffer("rays", (RAY_BYTES * most) as u64, Usage::STORAGE | Usage::COPY_DST)?;
+        let (ray, answer) = ((RAY_BYTES * most) as u64, (self.answer_bytes() * most) as u64);
+        let up = device.mapped_buffer("rays", ray)?;
+        let rays = device.buffer("rays", ray, Usage::STORAGE | Usage::COPY_DST)?;
         let answers = device.buffer("answers", answer, Usage::STORAGE | Usage::COPY_SRC)?;
         let back = device.buffer("answers", answer, Usage::MAP_READ | Usage::COPY_DST)?;
         let params = device.buffer("parameters", 48, Usage::UNIFORM | Usage::COPY_DST)?;
@@ -128,23 +129,34 @@ impl Kernel {
             entries: &entries,
         });
         device.check()?;
-        Ok(Slot { rays, answers, back, params, group })
+        Ok(Slot { up, rays, answers, back, params, group, most, rows: self.rows, count: None })
     }
 
-    /// Uploads rays.
-    pub fn upload(&self, slot: &Slot, rays: &[u8]) {
-        let count = (rays.len() / RAY_BYTES) as u32;
-        let mut params = self.tables.starts.to_vec();
-        params.extend([count, ROW * shader::WORKGROUP, u32::from(self.tables.bounded), self.tables.children]);
-        let params: Vec<u8> = params.into_iter().flat_map(u32::to_le_bytes).collect();
-        self.device().queue.write_buffer(&slot.params, 0, &params);
-        self.device().queue.write_buffer(&slot.rays, 0, rays);
+    /// Writes rays to the buffer from which [`Kernel::submit`] uploads them.
+    pub fn fill(&self, slot: &mut Slot, rays: &[u8]) -> Result<(), GpuError> {
+        let count = rays.len() / RAY_BYTES;
+        let mut view =
+            slot.up.get_mapped_range_mut(..rays.len() as u64).map_err(|error| self.lost(&error))?;
+        view.copy_from_slice(rays);
+        drop(view);
+        slot.up.unmap();
+        if slot.count.replace(count) != Some(count) {
+            let mut params = self.tables.starts.to_vec();
+            let row = ROW * shader::WORKGROUP;
+            params.extend([count as u32, row, u32::from(self.tables.bounded), self.tables.children]);
+            let params: Vec<u8> = params.into_iter().flat_map(u32::to_le_bytes).collect();
+            self.device().queue.write_buffer(&slot.params, 0, &params);
+        }
+        Ok(())
     }
 
-    /// Submits the kernel for the rays of a slot, `repeats` times.
-    pub fn run(&self, slot: &Slot, count: usize, repeats: usize, copy: bool) {
+    /// Submits the upload of the rays of a filled slot, the kernel, `repeats` times, and the download of the answers.
+    pub fn submit(&self, slot: &Slot, repeats: usize) -> wgpu::SubmissionIndex {
+        let count = slot.count.unwrap_or(0);
+        let (ray_bytes, answer_bytes) = ((RAY_BYTES * count) as u64, (self.answer_bytes() * count) as u64);
         let mut encoder =
             self.device().device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(&slot.up, 0, &slot.rays, 0, ray_bytes);
         for _ in 0..repeats {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&self.pipeline);
@@ -152,42 +164,26 @@ impl Kernel {
             let groups = (count as u32).div_ceil(shader::WORKGROUP);
             pass.dispatch_workgroups(groups.min(ROW), groups.div_ceil(ROW), 1);
         }
-        if copy {
-            encoder.copy_buffer_to_buffer(
-                &slot.answers,
-                0,
-                &slot.back,
-                0,
-                (self.answer_bytes() * count) as u64,
-            );
-        }
-        self.device().queue.submit([encoder.finish()]);
+        encoder.copy_buffer_to_buffer(&slot.answers, 0, &slot.back, 0, answer_bytes);
+        self.device().queue.submit([encoder.finish()])
     }
 
-    /// Uploads rays, traces them and asks for the answers.
-    pub fn start(&self, slot: &Slot, rays: &[u8]) -> Pending {
-        let count = rays.len() / RAY_BYTES;
-        self.upload(slot, rays);
-        self.run(slot, count, 1, true);
+    /// Uploads rays, traces them and returns the answers. After an error the slot must not be used again.
+    pub fn trace(&self, slot: &mut Slot, rays: &[u8], answers: &mut Vec<Answer>) -> Result<(), GpuError> {
+        self.fill(slot, rays)?;
+        let submitted = self.submit(slot, 1);
+        let bytes = (self.answer_bytes() * (rays.len() / RAY_BYTES)) as u64;
         let (send, done) = mpsc::channel();
-        slot.back.map_async(wgpu::MapMode::Read, 0..(self.answer_bytes() * count) as u64, move |result| {
-            // the receiver is gone only after an error
-            let _ = send.send(result);
-        });
-        Pending { count, done }
-    }
-
-    /// Waits for the answers of a batch.
-    pub fn finish(&self, slot: &Slot, pending: Pending, answers: &mut Vec<Answer>) -> Result<(), GpuError> {
-        self.device().wait()?;
-        let lost = |reason: String| GpuError::Lost { adapter: self.device().adapter.clone(), reason };
-        match pending.done.recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(lost(error.to_string())),
-            Err(error) => return Err(lost(error.to_string())),
+        let filled = send.clone();
+        // the receiver is gone only after an error
+        slot.back.map_async(wgpu::MapMode::Read, ..bytes, move |result| _ = send.send(result));
+        slot.up.map_async(wgpu::MapMode::Write, .., move |result| _ = filled.send(result));
+        self.device().wait_for(submitted)?;
+        for _ in 0..2 {
+            // another thread that waits for the device may make the calls
+            done.recv().map_err(|error| self.lost(&error))?.map_err(|error| self.lost(&error))?;
         }
-        let bytes = (self.answer_bytes() * pending.count) as u64;
-        let view = slot.back.get_mapped_range(0..bytes).map_err(|error| lost(error.to_string()))?;
+        let view = slot.back.get_mapped_range(..bytes).map_err(|error| self.lost(&error))?;
         let word = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
         answers.clear();
         answers.extend(
@@ -198,6 +194,17 @@ impl Kernel {
         drop(view);
         slot.back.unmap();
         Ok(())
+    }
+
+    fn lost(&self, error: &impl std::fmt::Display) -> GpuError {
+        GpuError::Lost { adapter: self.device().adapter.clone(), reason: error.to_string() }
+    }
+}
+
+impl Slot {
+    /// True if the slot has buffers for a number of rays of a kernel.
+    pub fn holds(&self, rays: usize, kernel: &Kernel) -> bool {
+        rays <= self.most && kernel.rows == self.rows
     }
 }
 

@@ -57,6 +57,8 @@ pub(crate) struct Layout {
     pub placed_items: bool,
     /// Entries of the stack of the traversal; 0 if the model is a single group.
     pub stack: usize,
+    /// True if every item is a group of a single atom, which is its output.
+    pub is_simple: bool,
 }
 
 /// Kinds of surfaces on the device; the number is the case in the shader.
@@ -123,6 +125,9 @@ impl Layout {
             builder.item(program, item, frame, &mut prototypes)?;
         }
         builder.hierarchy(&top.items, frame);
+        let single = builder.single;
+        builder.layout.is_simple =
+            single.is_some_and(|row| builder.groups.iter().all(|group| group.outputs == [row, 1]));
         Ok(builder.finish())
     }
 
@@ -170,7 +175,8 @@ impl Builder {
                 (self.group(program, &flat, frame, false), NONE, 0)
             }
         };
-        self.items.push([group, map, item.priority, 0]);
+        let first_atom = self.groups[group as usize].atoms[0];
+        self.items.push([group, map, item.priority, first_atom]);
         self.layout.placements.push(placement);
         Ok(())
     }

@@ -3,26 +3,31 @@
 use crate::adapter::Adapter;
 use crate::error::{GpuError, Unsupported};
 use crate::flat::{Flat, MOST_NODES};
-use crate::frame::{Clock, Frame, Sender, Sent};
+use crate::frame::{Clock, Frame, Route, Sender};
 use crate::kernel::{Answer, Kernel, RAY_BYTES, Slot, Tables};
 use crate::layout::{Layout, magnitude_of};
+use crate::shader;
 use crate::terms::Top;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::weld::local_ray;
 use rayweave_model::{
-    Collected, Crossing, Evaluator, Face, FirstHits, PlacementId, Program, PrototypeId, Query, RayAnswer,
-    RayBatch, Rays, RegionId, Sink, Window, attributes,
+    BadRay, Collected, Crossing, Evaluator, Face, FirstHits, PlacementId, Program, PrototypeId, Query,
+    RayAnswer, RayBatch, Rays, RegionId, Sink, Window, attributes,
 };
 use rayweave_shape::Ray;
 use rayweave_trace::Packets;
 use std::num::NonZeroUsize;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
-/// Rays that are on the device at a time, per slot.
-const BATCH: usize = 1 << 20;
+/// The largest and the smallest number of rays of a batch. A small batch leaves much of a large card idle; a thread prepares and
+/// completes a batch alone, so a query needs at least one batch for each thread.
+const MOST_RAYS: usize = 1 << 16;
+const FEWEST_RAYS: usize = 1 << 14;
 
-/// Rays that a thread prepares or completes at a time.
-const CHUNK: usize = 1 << 14;
+/// Threads per core: while one waits for the device, another prepares or completes a batch.
+const THREADS_PER_CORE: NonZeroUsize = NonZeroUsize::new(2).unwrap();
 
 /// Bits of the first word of an answer.
 const UNCERTAIN: u32 = 1 << 31;
@@ -42,14 +47,13 @@ pub struct GpuProgram {
     kernel: Kernel,
     sender: Sender,
     layout: Layout,
-    /// One query at a time uses them.
-    slots: Mutex<[Slot; 2]>,
-    batch: usize,
-    /// The kernel for all crossings, with its buffers, compiled on first use.
-    all: Mutex<Option<All>>,
+    /// The kernel for all crossings, compiled on first use.
+    all: Mutex<Option<Arc<All>>>,
+    /// The memory of earlier queries: new memory costs more time than the conversion of rays.
+    idle: Mutex<Vec<Worker>>,
 }
 
-/// What a query cost.
+/// The cost of a query.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GpuReport {
     /// The number of rays.
@@ -63,6 +67,12 @@ pub struct GpuReport {
     pub contradicted: u64,
     /// Bytes moved to the device and back.
     pub bytes: u64,
+    /// The time of the threads that converted rays for the device, summed over threads.
+    pub prepare: Duration,
+    /// The time of the threads that waited for the device, transfers included, summed over threads.
+    pub device: Duration,
+    /// The time of the threads that completed answers of [`GpuProgram::nearest`] in f64, summed over threads.
+    pub complete: Duration,
 }
 
 impl GpuReport {
@@ -73,6 +83,9 @@ impl GpuReport {
         self.distant += other.distant;
         self.contradicted += other.contradicted;
         self.bytes += other.bytes;
+        self.prepare += other.prepare;
+        self.device += other.device;
+        self.complete += other.complete;
     }
 
     /// The share of rays that the CPU traced, 0 to 1.
@@ -86,8 +99,6 @@ impl GpuReport {
 struct All {
     most: usize,
     kernel: Kernel,
-    slot: Slot,
-    batch: usize,
 }
 
 /// Columns of a chunk of rays.
@@ -101,11 +112,29 @@ struct Part<'a> {
     normal: Option<[&'a mut [f64]; 3]>,
 }
 
-/// Memory of a thread that completes answers.
-struct Completion {
-    scratch: <Packets as Evaluator>::Scratch,
+/// Memory of a thread that prepares and completes batches.
+#[derive(Debug, Default)]
+struct Worker {
+    slot: Option<Slot>,
+    bytes: Vec<u8>,
+    routes: Vec<Route>,
+    answers: Vec<Answer>,
+    scratch: Option<<Packets as Evaluator>::Scratch>,
     again: Vec<usize>,
     batch: RayBatch,
+}
+
+/// A worker in use, which returns to the idle ones when it is dropped.
+struct Busy<'a> {
+    worker: Worker,
+    program: &'a GpuProgram,
+}
+
+impl Drop for Busy<'_> {
+    fn drop(&mut self) {
+        let worker = std::mem::take(&mut self.worker);
+        self.program.idle().push(worker);
+    }
 }
 
 impl GpuProgram {
@@ -119,18 +148,8 @@ impl GpuProgram {
         let (layout, sender) = compile(&program)?;
         let tables = Tables::new(adapter.open()?, &layout, sender.bounded)?;
         let kernel = Kernel::new(tables, &layout, None)?;
-        let batch = BATCH.min((kernel.device().limit / RAY_BYTES as u64) as usize);
-        let slots = [kernel.slot(batch)?, kernel.slot(batch)?];
-        Ok(GpuProgram {
-            cpu: Packets::new(program.clone()),
-            program,
-            kernel,
-            sender,
-            layout,
-            slots: Mutex::new(slots),
-            batch,
-            all: Mutex::new(None),
-        })
+        let cpu = Packets::new(program.clone());
+        Ok(GpuProgram { program, cpu, kernel, sender, layout, all: Mutex::new(None), idle: Mutex::default() })
     }
 
     /// The program.
@@ -151,24 +170,12 @@ impl GpuProgram {
     /// [`GpuError::Ray`] for the first ray out of range, [`GpuError::Lost`] if the device fails. The columns are then
     /// incomplete.
     pub fn nearest(&self, rays: Rays<'_>, hits: &mut FirstHits<'_>) -> Result<GpuReport, GpuError> {
-        self.program.check_rays(rays)?;
-        let slots = self.slots();
         let mut report = GpuReport::default();
-        let mut waiting = None;
-        let mut answers = Vec::new();
-        for (k, first) in (0..rays.len()).step_by(self.batch).enumerate() {
-            let count = self.batch.min(rays.len() - first);
-            let bytes = self.prepare(&rays.slice(first..first + count));
-            let pending = self.kernel.start(&slots[k % 2], &bytes);
-            report.bytes += (count * (RAY_BYTES + self.kernel.answer_bytes())) as u64;
-            if let Some((slot, first, pending)) = waiting.replace((k % 2, first, pending)) {
-                self.kernel.finish(&slots[slot], pending, &mut answers)?;
-                report.add(self.complete(&rays, first, &answers, hits));
-            }
-        }
-        if let Some((slot, first, pending)) = waiting {
-            self.kernel.finish(&slots[slot], pending, &mut answers)?;
-            report.add(self.complete(&rays, first, &answers, hits));
+        let parts = parts(hits, rays.len(), self.batch(rays.len(), &self.kernel));
+        for cost in
+            self.run(parts.into_iter(), |worker, mut part| self.nearest_part(&rays, &mut part, worker))
+        {
+            report.add(cost?);
         }
         Ok(report)
     }
@@ -181,93 +188,92 @@ impl GpuProgram {
     ///
     /// [`GpuError::Ray`], [`GpuError::Lost`] and [`GpuError::TooLarge`], like [`GpuProgram::nearest`].
     pub fn crossings(&self, rays: Rays<'_>, most: NonZeroUsize) -> Result<(Collected, GpuReport), GpuError> {
-        self.program.check_rays(rays)?;
-        let mut all = self.all.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        if all.as_ref().is_none_or(|all| all.most != most.get()) {
-            *all = Some(self.all(most.get())?);
-        }
+        let all = self.all(most.get())?;
         let (mut collected, mut report) = (Collected::default(), GpuReport::default());
-        let Some(All { kernel, slot, batch, .. }) = &*all else { return Ok((collected, report)) };
-        let mut answers = Vec::new();
-        for first in (0..rays.len()).step_by(*batch) {
-            let part = rays.slice(first..rays.len().min(first + batch));
-            let pending = kernel.start(slot, &self.prepare(&part));
-            kernel.finish(slot, pending, &mut answers)?;
-            report.bytes += (part.len() * (RAY_BYTES + kernel.answer_bytes())) as u64;
-            let ranges = (0..part.len()).step_by(CHUNK).map(|at| at..part.len().min(at + CHUNK));
-            let work = |scratch: &mut _, range: std::ops::Range<usize>| {
-                let rows = &answers[range.start * kernel.rows..range.end * kernel.rows];
-                self.collect_part(&part.slice(range), rows, kernel.rows, scratch)
-            };
-            for (found, cost) in run(part.len(), ranges, || self.cpu.scratch(), work) {
-                collected.append(&found);
-                report.add(cost);
-            }
+        let batch = self.batch(rays.len(), &all.kernel);
+        let ranges = (0..rays.len()).step_by(batch).map(|at| at..rays.len().min(at + batch));
+        let work =
+            |worker: &mut Worker, range: Range<usize>| self.collect_part(&rays, range, &all.kernel, worker);
+        for part in self.run(ranges, work) {
+            let (found, cost) = part?;
+            collected.append(&found);
+            report.add(cost);
         }
         Ok((collected, report))
     }
 
-    fn all(&self, most: usize) -> Result<All, GpuError> {
-        let kernel = Kernel::new(self.kernel.tables.clone(), &self.layout, Some(most))?;
-        let fits = (kernel.device().limit / kernel.answer_bytes() as u64) as usize;
-        let batch = (BATCH / kernel.rows).clamp(1, fits.max(1));
-        let slot = kernel.slot(batch)?;
-        Ok(All { most, kernel, slot, batch })
+    /// The kernel for up to `most` crossings of each ray.
+    fn all(&self, most: usize) -> Result<Arc<All>, GpuError> {
+        let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*all {
+            Some(all) if all.most == most => Ok(all.clone()),
+            _ => {
+                let kernel = Kernel::new(self.kernel.tables.clone(), &self.layout, Some(most))?;
+                Ok(all.insert(Arc::new(All { most, kernel })).clone())
+            }
+        }
     }
 
-    /// The crossings of some rays from the rows of their answers.
+    /// The number of rays of a batch.
+    fn batch(&self, rays: usize, kernel: &Kernel) -> usize {
+        let fits = kernel.device().limit / kernel.answer_bytes().max(RAY_BYTES) as u64;
+        let most = usize::try_from(fits).unwrap_or(usize::MAX).min(MOST_RAYS / kernel.rows);
+        rays.div_ceil(threads().get())
+            .max(FEWEST_RAYS)
+            .min(most.max(1))
+            .next_multiple_of(shader::WORKGROUP as usize)
+    }
+
+    /// The crossings of a batch.
     fn collect_part(
         &self,
         rays: &Rays<'_>,
-        answers: &[Answer],
-        rows: usize,
-        scratch: &mut <Packets as Evaluator>::Scratch,
-    ) -> (Collected, GpuReport) {
-        let (mut found, mut report) = (Collected::default(), GpuReport::default());
-        let mut crossings = Vec::new();
-        for (i, answer) in answers.chunks_exact(rows).enumerate() {
-            report.rays += 1;
+        range: Range<usize>,
+        kernel: &Kernel,
+        worker: &mut Worker,
+    ) -> Result<(Collected, GpuReport), GpuError> {
+        let first = range.start;
+        let rays = rays.slice(range);
+        let mut report = self.answers(kernel, &rays, first, worker)?;
+        let Worker { routes, answers, scratch, .. } = worker;
+        let scratch = scratch.get_or_insert_with(|| self.cpu.scratch());
+        let (mut found, mut crossings) = (Collected::default(), Vec::new());
+        let window = Window::new(0.0, f64::INFINITY).unwrap_or_default();
+        let query = Query { window, ..Query::default() };
+        for (i, (route, answer)) in routes.iter().zip(answers.chunks_exact(kernel.rows)).enumerate() {
             crossings.clear();
-            let start = match self.sender.send(rays, i) {
-                Sent::Passes => Some(0),
-                Sent::Cpu => {
+            let start = match *route {
+                Route::Passes => Some(0),
+                Route::Cpu => {
                     report.distant += 1;
                     None
                 }
-                Sent::Device(..) if answer[0][0] & (UNCERTAIN | MORE) != 0 => {
+                Route::Device(_) if answer[0][0] & (UNCERTAIN | MORE) != 0 => {
                     report.uncertain += 1;
                     None
                 }
-                Sent::Device(_, clock) => {
+                Route::Device(clock) => {
                     let ray = rays.get(i);
                     let predicted = answer.iter().skip(1).take(answer[0][0] as usize);
+                    let shared = predicted.clone().any(is_between);
                     crossings.extend(predicted.map_while(|row| self.polished_between(&ray, row, clock)));
                     let ordered = crossings.windows(2).all(|pair: &[Crossing]| pair[0].t < pair[1].t);
-                    let complete = ordered && crossings.len() == answer[0][0] as usize;
-                    let shared = answer.iter().skip(1).take(answer[0][0] as usize).any(is_between);
-                    match (complete, shared) {
-                        (true, _) => self.layout.regions.get(answer[0][1] as usize).copied(),
-                        (false, shared) => {
-                            let count = if shared { &mut report.uncertain } else { &mut report.contradicted };
-                            *count += 1;
-                            None
-                        }
+                    if ordered && crossings.len() == answer[0][0] as usize {
+                        self.layout.regions.get(answer[0][1] as usize).copied()
+                    } else {
+                        *(if shared { &mut report.uncertain } else { &mut report.contradicted }) += 1;
+                        None
                     }
                 }
             };
             match start {
                 Some(start) => {
-                    let start = RegionId(start);
-                    found.ray(RayAnswer { ray: i, start, crossings: &crossings });
+                    found.ray(RayAnswer { ray: i, start: RegionId(start), crossings: &crossings });
                 }
-                None => {
-                    let Ok(window) = Window::new(0.0, f64::INFINITY) else { continue };
-                    let query = Query { window, ..Query::default() };
-                    self.cpu.crossings(rays.slice(i..i + 1), &query, scratch, &mut found);
-                }
+                None => self.cpu.crossings(rays.slice(i..i + 1), &query, scratch, &mut found),
             }
         }
-        (found, report)
+        Ok((found, report))
     }
 
     /// Like [`GpuProgram::polished`]; `None` also for a crossing between two regions at which several leaves change: each side
@@ -284,97 +290,129 @@ impl GpuProgram {
     /// [`GpuError::Ray`] and [`GpuError::Lost`], like [`GpuProgram::nearest`].
     pub fn kernel_seconds(&self, rays: Rays<'_>, repeats: usize) -> Result<(f64, usize), GpuError> {
         self.program.check_rays(rays)?;
-        let count = rays.len().min(self.batch);
-        let bytes = self.prepare(&rays.slice(0..count));
-        let slots = self.slots();
-        self.kernel.upload(&slots[0], &bytes);
-        self.kernel.run(&slots[0], count, 1, false);
-        self.kernel.device().wait()?;
-        let mut best = f64::INFINITY;
-        for _ in 0..3 {
-            let clock = std::time::Instant::now();
-            self.kernel.run(&slots[0], count, repeats, false);
-            self.kernel.device().wait()?;
-            best = best.min(clock.elapsed().as_secs_f64() / repeats as f64);
-        }
-        Ok((best, count))
+        let fits = self.kernel.device().limit / RAY_BYTES as u64;
+        let count = rays.len().min(1 << 20).min(usize::try_from(fits).unwrap_or(usize::MAX));
+        let (mut routes, mut bytes) = (Vec::new(), Vec::new());
+        self.prepare(&rays.slice(0..count), &mut routes, &mut bytes);
+        let mut slot = self.kernel.slot(count)?;
+        self.kernel.fill(&mut slot, &bytes)?;
+        let seconds = |repeats: usize| -> Result<f64, GpuError> {
+            let mut best = f64::INFINITY;
+            for _ in 0..4 {
+                let clock = Instant::now();
+                self.kernel.submit(&slot, repeats);
+                self.kernel.device().wait()?;
+                best = best.min(clock.elapsed().as_secs_f64());
+            }
+            Ok(best)
+        };
+        // the difference leaves out the transfers
+        let repeats = repeats.max(1);
+        Ok(((seconds(2 * repeats)? - seconds(repeats)?) / repeats as f64, count))
     }
 
-    /// The buffers of batches, for one query.
-    fn slots(&self) -> MutexGuard<'_, [Slot; 2]> {
-        // a query that panicked left no answer that a later one reads
-        self.slots.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// The rays as the kernel reads them. A ray that is not sent has an error bound that leaves it uncertain.
-    fn prepare(&self, rays: &Rays<'_>) -> Vec<u8> {
-        let mut bytes = vec![0; RAY_BYTES * rays.len()];
-        let chunks = bytes.chunks_mut(RAY_BYTES * CHUNK).enumerate();
-        run(
-            rays.len(),
-            chunks,
-            || (),
-            |(), (chunk, bytes): (usize, &mut [u8])| {
-                for (k, place) in bytes.chunks_exact_mut(RAY_BYTES).enumerate() {
-                    if let Sent::Device(ray, _) = self.sender.send(rays, chunk * CHUNK + k) {
-                        place.copy_from_slice(&ray.bytes());
-                    }
-                }
-            },
-        );
-        bytes
-    }
-
-    /// Completes the answers of a batch that starts at ray `first`.
-    fn complete(
+    /// Runs work on batches on all threads; returns the results in order.
+    fn run<I: Send, O: Send>(
         &self,
+        batches: impl Iterator<Item = I> + Send,
+        work: impl Fn(&mut Worker, I) -> O + Sync,
+    ) -> Vec<O> {
+        let worker = || {
+            let idle = self.idle().pop();
+            Busy { worker: idle.unwrap_or_default(), program: self }
+        };
+        let work = |busy: &mut Busy<'_>, batch| work(&mut busy.worker, batch);
+        let mut results = Vec::new();
+        let done = drive(threads(), &Cancel::new(), batches, worker, work, |result| {
+            results.push(result);
+            Ok::<(), std::convert::Infallible>(())
+        });
+        match done {
+            Ok(()) => results,
+            Err(Stopped::Cancelled) => unreachable!("the token is never cancelled"),
+            Err(Stopped::Failed(never)) => match never {},
+        }
+    }
+
+    fn idle(&self) -> MutexGuard<'_, Vec<Worker>> {
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The rays as the kernel reads them.
+    fn prepare(&self, rays: &Rays<'_>, routes: &mut Vec<Route>, bytes: &mut Vec<u8>) {
+        routes.clear();
+        bytes.clear();
+        for i in 0..rays.len() {
+            let (route, ray) = self.sender.send(rays, i);
+            bytes.extend_from_slice(&ray.bytes());
+            routes.push(route);
+        }
+    }
+
+    /// Prepares a batch, runs a kernel on it and waits for the answers.
+    ///
+    /// `first` is the number of its first ray in the query.
+    fn answers(
+        &self,
+        kernel: &Kernel,
         rays: &Rays<'_>,
         first: usize,
-        answers: &[Answer],
-        hits: &mut FirstHits<'_>,
-    ) -> GpuReport {
-        let parts = parts(hits, first, answers.len());
-        let mut report = GpuReport { rays: answers.len() as u64, ..GpuReport::default() };
-        let scratch =
-            || Completion { scratch: self.cpu.scratch(), again: Vec::new(), batch: RayBatch::default() };
-        let costs = run(answers.len(), parts.into_iter(), scratch, |memory, mut part: Part<'_>| {
-            let at = part.first - first;
-            self.complete_part(rays, &answers[at..at + part.t.len()], &mut part, memory)
-        });
-        costs.into_iter().for_each(|cost| report.add(cost));
-        report
+        worker: &mut Worker,
+    ) -> Result<GpuReport, GpuError> {
+        let clock = Instant::now();
+        self.program
+            .check_rays(*rays)
+            .map_err(|bad| BadRay { ray: first + bad.ray, problem: bad.problem })?;
+        self.prepare(rays, &mut worker.routes, &mut worker.bytes);
+        let prepared = clock.elapsed();
+        let mut slot = match worker.slot.take() {
+            Some(slot) if slot.holds(rays.len(), kernel) => slot,
+            _ => kernel.slot(rays.len())?,
+        };
+        kernel.trace(&mut slot, &worker.bytes, &mut worker.answers)?;
+        worker.slot = Some(slot);
+        let count = rays.len() as u64;
+        Ok(GpuReport {
+            rays: count,
+            bytes: count * (RAY_BYTES + kernel.answer_bytes()) as u64,
+            prepare: prepared,
+            device: clock.elapsed() - prepared,
+            ..GpuReport::default()
+        })
     }
 
-    fn complete_part(
+    /// The first crossings of a batch.
+    fn nearest_part(
         &self,
         rays: &Rays<'_>,
-        answers: &[Answer],
         part: &mut Part<'_>,
-        memory: &mut Completion,
-    ) -> GpuReport {
-        let mut report = GpuReport::default();
-        memory.again.clear();
-        for (k, answer) in answers.iter().enumerate() {
-            let i = part.first + k;
-            let region = match self.sender.send(rays, i) {
-                Sent::Passes => Some(0),
-                Sent::Cpu => {
+        worker: &mut Worker,
+    ) -> Result<GpuReport, GpuError> {
+        let rays = rays.slice(part.first..part.first + part.t.len());
+        let mut report = self.answers(&self.kernel, &rays, part.first, worker)?;
+        let clock = Instant::now();
+        worker.again.clear();
+        for (k, (route, answer)) in worker.routes.iter().zip(&worker.answers).enumerate() {
+            let region = match *route {
+                Route::Passes => Some(0),
+                Route::Cpu => {
                     report.distant += 1;
-                    memory.again.push(k);
+                    worker.again.push(k);
                     continue;
                 }
-                Sent::Device(_, clock) => {
+                Route::Device(clock) => {
                     if answer[0] & UNCERTAIN != 0 {
                         report.uncertain += 1;
-                        memory.again.push(k);
+                        worker.again.push(k);
                         continue;
                     }
                     if answer[0] & MISS == 0 {
-                        match self.polished(&rays.get(i), answer, clock) {
-                            Some(crossing) => self.put(rays, part, k, &crossing),
+                        let ray = rays.get(k);
+                        match self.polished(&ray, answer, clock) {
+                            Some(crossing) => self.put(&ray, part, k, &crossing),
                             None => {
                                 report.contradicted += 1;
-                                memory.again.push(k);
+                                worker.again.push(k);
                             }
                         }
                         continue;
@@ -386,12 +424,13 @@ impl GpuProgram {
                 Some(region) => miss(part, k, region),
                 None => {
                     report.contradicted += 1;
-                    memory.again.push(k);
+                    worker.again.push(k);
                 }
             }
         }
-        self.trace(rays, part, memory);
-        report
+        self.trace(&rays, part, worker);
+        report.complete = clock.elapsed();
+        Ok(report)
     }
 
     /// The crossing that an answer predicts, with the time of the CPU's kernel; `None` if that has no such root.
@@ -424,26 +463,26 @@ impl GpuProgram {
         })
     }
 
-    fn put(&self, rays: &Rays<'_>, part: &mut Part<'_>, k: usize, crossing: &Crossing) {
+    fn put(&self, ray: &Ray, part: &mut Part<'_>, k: usize, crossing: &Crossing) {
         part.t[k] = crossing.t;
         part.face[k] = self.program.face_number(crossing.face.leaf, crossing.face.facet) as i32;
         part.placement[k] = crossing.face.placement.0;
         part.before[k] = crossing.before.0;
         part.after[k] = crossing.after.0;
         if let Some(normal) = &mut part.normal {
-            let unit = attributes::normal(&self.program, &rays.get(part.first + k), crossing).to_array();
+            let unit = attributes::normal(&self.program, ray, crossing).to_array();
             normal.iter_mut().zip(unit).for_each(|(column, x)| column[k] = x);
         }
     }
 
     /// Traces the rays of `again` on the CPU.
-    fn trace(&self, rays: &Rays<'_>, part: &mut Part<'_>, memory: &mut Completion) {
-        let Completion { scratch, again, batch } = memory;
+    fn trace(&self, rays: &Rays<'_>, part: &mut Part<'_>, worker: &mut Worker) {
+        let Worker { scratch, again, batch, .. } = worker;
         if again.is_empty() {
             return;
         }
         batch.clear();
-        again.iter().for_each(|&k| batch.push(rays.get(part.first + k)));
+        again.iter().for_each(|&k| batch.push(rays.get(k)));
         let count = again.len();
         let (mut t, mut face, mut normal) = (vec![0.0; count], vec![0; count], vec![0.0; 3 * count]);
         let (mut placement, mut before, mut after) = (vec![0; count], vec![0; count], vec![0; count]);
@@ -458,6 +497,7 @@ impl GpuProgram {
             normal: part.normal.is_some().then_some([x, y, z]),
         };
         let Ok(window) = Window::new(0.0, f64::INFINITY) else { return };
+        let scratch = scratch.get_or_insert_with(|| self.cpu.scratch());
         self.cpu.nearest(batch.rays(), window, scratch, &mut hits);
         for (n, &k) in again.iter().enumerate() {
             part.t[k] = t[n];
@@ -523,44 +563,28 @@ fn is_bounded(program: &Program, frame: &Frame) -> bool {
             && bounds.corners().into_iter().all(|corner| frame.point(corner).length() <= 1.0 + 1e-9)
 }
 
-/// Runs work on chunks on as many threads as there are cores; returns the results in order.
-fn run<I: Send, O: Send, S>(
-    rays: usize,
-    chunks: impl Iterator<Item = I> + Send,
-    scratch: impl Fn() -> S + Sync,
-    work: impl Fn(&mut S, I) -> O + Sync,
-) -> Vec<O> {
-    let threads = if rays > CHUNK { thread_count(None) } else { NonZeroUsize::MIN };
-    let mut results = Vec::new();
-    let done = drive(threads, &Cancel::new(), chunks, scratch, work, |result| {
-        results.push(result);
-        Ok::<(), std::convert::Infallible>(())
-    });
-    match done {
-        Ok(()) => results,
-        Err(Stopped::Cancelled) => unreachable!("the token is never cancelled"),
-        Err(Stopped::Failed(never)) => match never {},
-    }
+/// The number of threads that prepare and complete batches.
+fn threads() -> NonZeroUsize {
+    thread_count(None).saturating_mul(THREADS_PER_CORE)
 }
 
-/// The columns of `count` rays from `first` on, in chunks.
-fn parts<'a>(hits: &'a mut FirstHits<'_>, first: usize, count: usize) -> Vec<Part<'a>> {
-    let range = first..first + count;
-    let mut t = hits.t[range.clone()].chunks_mut(CHUNK);
-    let mut face = hits.face[range.clone()].chunks_mut(CHUNK);
-    let mut placement = hits.placement[range.clone()].chunks_mut(CHUNK);
-    let mut before = hits.before[range.clone()].chunks_mut(CHUNK);
-    let mut after = hits.after[range.clone()].chunks_mut(CHUNK);
+/// The columns of `count` rays, in batches.
+fn parts<'a>(hits: &'a mut FirstHits<'_>, count: usize, batch: usize) -> Vec<Part<'a>> {
+    let mut t = hits.t[..count].chunks_mut(batch);
+    let mut face = hits.face[..count].chunks_mut(batch);
+    let mut placement = hits.placement[..count].chunks_mut(batch);
+    let mut before = hits.before[..count].chunks_mut(batch);
+    let mut after = hits.after[..count].chunks_mut(batch);
     let mut normal = hits
         .normal
         .as_mut()
-        .map(|columns| columns.each_mut().map(|column| column[range.clone()].chunks_mut(CHUNK)));
+        .map(|columns| columns.each_mut().map(|column| column[..count].chunks_mut(batch)));
     let mut parts = Vec::new();
     while let (Some(t), Some(face), Some(placement), Some(before), Some(after)) =
         (t.next(), face.next(), placement.next(), before.next(), after.next())
     {
         let normal = normal.as_mut().map(|columns| columns.each_mut().map(|c| c.next().unwrap_or_default()));
-        parts.push(Part { first: first + parts.len() * CHUNK, t, face, placement, before, after, normal });
+        parts.push(Part { first: parts.len() * batch, t, face, placement, before, after, normal });
     }
     parts
 }

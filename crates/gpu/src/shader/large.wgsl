@@ -7,11 +7,69 @@ fn reciprocal(d: f32) -> f32 {
     return 1.0 / select(d, select(-1e-12, 1e-12, d >= 0.0), abs(d) < 1e-12);
 }
 
+// Subtrees yet to visit: node, or leaf with the highest bit set, and the time at which the ray enters its box.
+var<private> stack: array<vec2u, STACK>;
+var<private> depth: u32;
+
+const EMPTY = vec2u(NONE, 0x7f800000u);
+
+// The next subtree that the ray enters no later than `limit`; EMPTY if none is left.
+fn popped(limit: f32) -> vec2u {
+    while depth > 0u {
+        depth -= 1u;
+        let entry = stack[depth];
+        if bitcast<f32>(entry.y) <= limit {
+            return entry;
+        }
+    }
+    return EMPTY;
+}
+
+// The nearer of two subtrees; the other one goes onto the stack.
+fn nearer(next: vec2u, child: u32, enter: f32, far: f32) -> vec2u {
+    if child == NONE || enter > far {
+        return next;
+    }
+    let entry = vec2u(child, bitcast<u32>(enter));
+    let is_first = enter < bitcast<f32>(next.y);
+    if next.x != NONE {
+        stack[depth] = select(entry, next, is_first);
+        depth += 1u;
+    }
+    return select(next, entry, is_first);
+}
+
+// The child of an inner node that the ray enters first; the others go onto the stack.
+fn descended(node: u32, r: Ray, inverse: vec3f, from_: f32, limit: f32) -> vec2u {
+    // 12 rows of planes
+    let at = params.nodes + 12u * node;
+    var next = EMPTY;
+    for (var half = 0u; half < 2u; half++) {
+        // four boxes at a time
+        let children = tables[params.children + 2u * node + half];
+        if children.x == NONE {
+            break;
+        }
+        let ax = (data[at + half] - r.o.x) * inverse.x;
+        let ay = (data[at + 2u + half] - r.o.y) * inverse.y;
+        let az = (data[at + 4u + half] - r.o.z) * inverse.z;
+        let bx = (data[at + 6u + half] - r.o.x) * inverse.x;
+        let by = (data[at + 8u + half] - r.o.y) * inverse.y;
+        let bz = (data[at + 10u + half] - r.o.z) * inverse.z;
+        let near = max(max(min(ax, bx), min(ay, by)), max(min(az, bz), vec4f(from_)));
+        let far = min(min(min(max(ax, bx), max(ay, by)), max(az, bz)), vec4f(limit));
+        next = nearer(next, children.x, near.x, far.x);
+        next = nearer(next, children.y, near.y, far.y);
+        next = nearer(next, children.z, near.z, far.z);
+        next = nearer(next, children.w, near.w, far.w);
+    }
+    return next;
+}
+
 // The first change of medium after `start`.
 fn find(r: Ray, start: vec2f) -> Found {
     var from_ = start;
     let inverse = vec3f(reciprocal(r.d.x), reciprocal(r.d.y), reciprocal(r.d.z));
-    var stack: array<vec2u, STACK>;
     var began = NONE;
     for (var step = 0u; step < STEPS; step++) {
         var best = Change(true, 0u, 0u, 0u, BIG, BIG, NONE, 0u);
@@ -22,54 +80,24 @@ fn find(r: Ray, start: vec2f) -> Found {
         var region = 0u;
         var holder = NONE;
         var below = 0u;
-        var depth = 1u;
-        stack[0] = vec2u(0u, bitcast<u32>(from_.x));
-        while depth > 0u {
-            depth -= 1u;
-            let entry = stack[depth];
-            if bitcast<f32>(entry.y) > best.hi {
-                continue;
-            }
-            if (entry.x & 0x80000000u) == 0u {
-                // an inner node: 12 rows of planes
-                let at = params.nodes + 12u * entry.x;
-                let base = depth;
-                for (var half = 0u; half < 2u; half++) {
-                    // four boxes at a time
-                    let children = tables[params.children + 2u * entry.x + half];
-                    if children.x == NONE {
-                        break;
-                    }
-                    let ax = (data[at + half] - r.o.x) * inverse.x;
-                    let ay = (data[at + 2u + half] - r.o.y) * inverse.y;
-                    let az = (data[at + 4u + half] - r.o.z) * inverse.z;
-                    let bx = (data[at + 6u + half] - r.o.x) * inverse.x;
-                    let by = (data[at + 8u + half] - r.o.y) * inverse.y;
-                    let bz = (data[at + 10u + half] - r.o.z) * inverse.z;
-                    let near = max(max(min(ax, bx), min(ay, by)), max(min(az, bz), vec4f(from_.x)));
-                    let far = min(min(max(ax, bx), max(ay, by)), max(az, bz));
-                    for (var lane = 0u; lane < 4u; lane++) {
-                        let enter = near[lane];
-                        if children[lane] == NONE || enter > far[lane] || enter > best.hi {
-                            continue;
-                        }
-                        // sorted: the nearest child on top
-                        var place = depth;
-                        while place > base && bitcast<f32>(stack[place - 1u].y) < enter {
-                            stack[place] = stack[place - 1u];
-                            place -= 1u;
-                        }
-                        stack[place] = vec2u(children[lane], bitcast<u32>(enter));
-                        depth += 1u;
-                    }
+        depth = 0u;
+        var next = vec2u(0u, bitcast<u32>(from_.x));
+        loop {
+            // inner nodes up to the next leaf, so that the rays of a subgroup reach their leaves at the same time
+            while next.x < 0x80000000u {
+                next = descended(next.x, r, inverse, from_.x, best.hi);
+                if next.x == NONE {
+                    next = popped(best.hi);
                 }
-                continue;
             }
-            let number = entry.x & 0x7fffffffu;
+            if next.x == NONE {
+                break;
+            }
+            let number = next.x & 0x7fffffffu;
             let row = tables[params.items + number];
             var local = r;
 @PLACED_ITEM@
-            let c = walk(row.x, local, from_);
+            let c = walk(@GROUP@, local, from_);
             if !c.certain {
                 return lost();
             }
@@ -91,6 +119,7 @@ fn find(r: Ray, start: vec2f) -> Found {
                     other = min(other, c.lo);
                 }
             }
+            next = popped(best.hi);
         }
         if began == NONE {
             began = region;

@@ -24,19 +24,10 @@ pub(crate) fn source(layout: &Layout, most: Option<usize>) -> String {
     let parts = [include_str!("surfaces.wgsl"), include_str!("walk.wgsl"), find, main];
     let replacements = [
         ("@KINDS@\n", cases),
-        (
-            "@NETWORK@",
-            (if layout.nodes > 32 { include_str!("network4.wgsl") } else { include_str!("network1.wgsl") })
-                .to_owned(),
-        ),
-        (
-            "@BALLS@\n",
-            placed(
-                layout.balls,
-                "    let near = tables[params.atoms + 2u * k + 1u].x;\n    if near != NONE && passes(near, r) {\n        \
-                 return Events(false, vec4f(BIG), NONE, NONE);\n    }\n",
-            ),
-        ),
+        ("@WALK@", walk(layout)),
+        ("@GROUP@", (if layout.is_simple { "row.w" } else { "row.x" }).to_owned()),
+        ("@DATA_ROWS@", layout.data.len().max(1).to_string()),
+        ("@TABLE_ROWS@", layout.tables.len().max(1).to_string()),
         (
             "@PLACED_ATOM@\n",
             placed(
@@ -60,4 +51,21 @@ pub(crate) fn source(layout: &Layout, most: Option<usize>) -> String {
         ("@DIRECTION_ERROR@", format!("{:?}", crate::twin::DIRECTION_ERROR)),
     ];
     replacements.iter().fold(parts.join("\n"), |text, (name, value)| text.replace(name, value))
+}
+
+/// The walk along a group: through its network, or along its only atom.
+fn walk(layout: &Layout) -> String {
+    if layout.is_simple {
+        return include_str!("single.wgsl").to_owned();
+    }
+    let network =
+        if layout.nodes > 32 { include_str!("network4.wgsl") } else { include_str!("network1.wgsl") };
+    // first all balls and then the events of the atoms near the ray, so that rays near different atoms compute events at the same
+    // time
+    let (near, atom) =
+        if layout.balls { (include_str!("near.wgsl"), "which[j]") } else { ("    let near = group.y;", "j") };
+    include_str!("network.wgsl")
+        .replace("@NETWORK@", network)
+        .replace("@NEAR_ATOMS@", near.trim_end_matches('\n'))
+        .replace("@NEAR_ATOM@", atom)
 }

@@ -1,7 +1,8 @@
 // Boundary events and the boolean network of one group.
 
-@group(0) @binding(0) var<storage, read> data: array<vec4f>;
-@group(0) @binding(1) var<storage, read> tables: array<vec4u>;
+// with constant sizes, checks of indices are comparisons with constants
+@group(0) @binding(0) var<storage, read> data: array<vec4f, @DATA_ROWS@>;
+@group(0) @binding(1) var<storage, read> tables: array<vec4u, @TABLE_ROWS@>;
 @group(0) @binding(2) var<storage, read> rays: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> answers: array<vec4u>;
 @group(0) @binding(4) var<uniform> params: Params;
@@ -67,7 +68,6 @@ fn roots_of(facet: vec4u, r: Ray) -> Roots {
 fn events_of(k: u32, group_ray: Ray) -> Events {
     let atom = tables[params.atoms + 2u * k];
     var r = group_ray;
-@BALLS@
 @PLACED_ATOM@
     var enter = vec2f(-BIG, -BIG);
     var leave = vec2f(BIG, BIG);
@@ -152,188 +152,15 @@ fn passes(at: u32, r: Ray) -> bool {
     return pp - m.w > ROOM * (2.0 * l1(p) * ep + EPS * (4.0 * pp + 3.0 * m.w)) + TINY;
 }
 
-@NETWORK@
-
-// The last region that is inside; 0 if none is.
-fn owner(group: vec4u, outputs: vec4u, bits: Bits) -> u32 {
-    let nodes = evaluated(group, bits);
-    for (var i = outputs.y; i > 0u; i--) {
-        let out = tables[params.outputs + outputs.x + i - 1u];
-        if holds(nodes, out.x) {
-            return out.y;
-        }
-    }
-    return 0u;
-}
-
 fn medium_of(region: u32) -> u32 {
     return tables[params.media + (region >> 2u)][region & 3u];
 }
-
-var<private> times: array<vec4f, ATOMS>;
-var<private> first: array<u32, ATOMS>;
-var<private> second: array<u32, ATOMS>;
-// the atoms with events after the start, by their number in the group
-var<private> which: array<u32, ATOMS>;
 
 fn unsure(start: u32, lo: f32) -> Change {
     return Change(true, start, start, start, lo, BIG, HIDDEN, 0u);
 }
 
-// The first change of medium (of value, for a placed group) of a group after `from`, a certain time in an interval.
-fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
-    let group = tables[params.groups + 2u * g];
-    let outputs = tables[params.groups + 2u * g + 1u];
-    var bits = no_bits();
-    var certain = true;
-    var live = 0u;
-    for (var k = 0u; k < group.y; k++) {
-        var e = events_of(group.x + k, r);
-        var inside = e.inside;
-        if e.f0 != NONE {
-            if e.t.y <= from_.x {
-                inside = inside != (e.f0 != HIDDEN);
-                e.f0 = NONE;
-            } else if e.t.x <= from_.y {
-                certain = false;
-            }
-        }
-        if e.f1 != NONE {
-            if e.t.w <= from_.x {
-                inside = !inside;
-                e.f1 = NONE;
-            } else if e.t.z <= from_.y {
-                certain = false;
-            }
-        }
-        if e.f0 != NONE || e.f1 != NONE {
-            times[live] = e.t;
-            first[live] = e.f0;
-            second[live] = e.f1;
-            which[live] = k;
-            live += 1u;
-        }
-        if inside {
-            bits = flipped(bits, k);
-        }
-    }
-    if !certain {
-        return Change(false, 0u, 0u, 0u, from_.x, BIG, HIDDEN, 0u);
-    }
-    let start = owner(group, outputs, bits);
-    var region = start;
-    for (var step = 0u; step < 2u * ATOMS + 1u; step++) {
-        // the earliest event
-        var lo = BIG;
-        var hi = BIG;
-        var facet = NONE;
-        var atom = 0u;
-        for (var k = 0u; k < live; k++) {
-            if first[k] != NONE && times[k].x < lo {
-                lo = times[k].x;
-                hi = times[k].y;
-                facet = first[k];
-                atom = k;
-            }
-            if second[k] != NONE && times[k].z < lo {
-                lo = times[k].z;
-                hi = times[k].w;
-                facet = second[k];
-                atom = k;
-            }
-        }
-        if facet == NONE {
-            return Change(true, start, region, region, BIG, BIG, NONE, 0u);
-        }
-        if facet == HIDDEN {
-            return unsure(start, lo);
-        }
-        // events at the same time: those of the same surface are exact ties, others leave the order open
-        let key = key_of(facet);
-        var ties = no_bits();
-        var count = 0u;
-        for (var k = 0u; k < live; k++) {
-            var mine = 0u;
-            if first[k] != NONE && times[k].x <= hi {
-                mine += 1u;
-                if key_of(first[k]) != key || (facet == EITHER && k != atom) {
-                    return unsure(start, lo);
-                }
-                first[k] = NONE;
-            }
-            if second[k] != NONE && times[k].z <= hi {
-                mine += 1u;
-                if key_of(second[k]) != key || (facet == EITHER && k != atom) {
-                    return unsure(start, lo);
-                }
-                second[k] = NONE;
-            }
-            if mine > 1u {
-                return unsure(start, lo);
-            }
-            if mine == 1u {
-                ties = flipped(ties, which[k]);
-                count += 1u;
-            }
-        }
-        atom = which[atom];
-        let next_bits = both(bits, ties);
-        let next = owner(group, outputs, next_bits);
-        let medium = medium_in(outputs, region);
-        let next_medium = medium_in(outputs, next);
-        if medium != next_medium {
-            if facet == EITHER {
-                return unsure(start, lo);
-            }
-            if count > 1u {
-                atom = NONE;
-                for (var k = 0u; k < group.y; k++) {
-                    if !has(ties, k) {
-                        continue;
-                    }
-                    // a placed solid is one leaf, whose own face the CPU determines
-                    if tables[params.atoms + 2u * (group.x + k)].w != 0u {
-                        return unsure(start, lo);
-                    }
-                    if atom == NONE
-                        && (medium_in(outputs, owner(group, outputs, flipped(bits, k))) != medium
-                            || medium_in(outputs, owner(group, outputs, flipped(next_bits, k))) != next_medium) {
-                        atom = k;
-                    }
-                }
-                if atom == NONE {
-                    return unsure(start, lo);
-                }
-                facet = facet_with(group.x + atom, key);
-                atom = NONE;
-            }
-            return Change(true, start, region, next, lo, hi, facet, atom);
-        }
-        bits = next_bits;
-        region = next;
-    }
-    return unsure(start, -BIG);
-}
-
-// The medium of a region of the model; the value itself in a placed group.
-fn medium_in(outputs: vec4u, region: u32) -> u32 {
-    if outputs.z == 1u {
-        return region;
-    }
-    return medium_of(region);
-}
-
-// The facet of an atom with a key.
-fn facet_with(atom: u32, key: u32) -> u32 {
-    let a = tables[params.atoms + 2u * atom];
-    for (var i = 0u; i < a.y; i++) {
-        if tables[params.facets + a.x + i].z == key {
-            return a.x + i;
-        }
-    }
-    return a.x;
-}
-
+@WALK@
 fn ray_of(i: u32) -> Ray {
     let o = rays[2u * i];
     let d = rays[2u * i + 1u];

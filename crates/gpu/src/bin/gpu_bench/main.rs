@@ -143,11 +143,8 @@ fn measure(scene: &Scene, adapter: &Adapter, options: &Options) -> Result<Row, F
     let compile = clock.elapsed().as_secs_f64();
     let rays = rays(scene, options.rays);
     let mut ours = Columns::new(rays.len());
-    // once to warm up
-    gpu.nearest(
-        rays.rays().slice(0..rays.len().min(1 << 16)),
-        &mut Columns::new(rays.len().min(1 << 16)).hits(),
-    )?;
+    // the first query allocates the memory of the program, and the pages of the columns
+    gpu.nearest(rays.rays(), &mut ours.hits())?;
     let clock = Instant::now();
     let report = gpu.nearest(rays.rays(), &mut ours.hits())?;
     let whole = rays.len() as f64 / clock.elapsed().as_secs_f64();
@@ -209,14 +206,18 @@ fn on_the_cpu(scene: &Scene, rays: Rays<'_>, columns: &mut Columns) -> (usize, f
 fn line(row: &Row) -> String {
     let Row { name, faces, report, compared, differing, table_bytes, compile, kernel, whole, cpu } = row;
     let share = 100.0 * report.uncertain as f64 / report.rays.max(1) as f64;
+    let per_ray = |time: std::time::Duration| 1e9 * time.as_secs_f64() / report.rays.max(1) as f64;
     format!(
-        "| {name} | {faces} | {:.3} | {:.3} | {:.3} | {share:.4} | {} | {differing} of {compared} | {} | {:.1} | {compile:.2} |",
+        "| {name} | {faces} | {:.3} | {:.3} | {:.3} | {share:.4} | {} | {differing} of {compared} | {} | {:.1} | {compile:.2} | {:.0}, {:.0}, {:.0} |",
         kernel / 1e6,
         whole / 1e6,
         cpu / 1e6,
         report.contradicted,
         report.bytes / report.rays.max(1),
         *table_bytes as f64 / 1e6,
+        per_ray(report.prepare),
+        per_ray(report.device),
+        per_ray(report.complete),
     )
 }
 
@@ -226,7 +227,8 @@ fn page(adapter: &Adapter, threads: usize, rows: &[Row], refused: &str) -> Strin
          Mrays/s: millions of rays per second. Kernel: with rays and answers on the device. Whole: from f64 rays to f64 answers, \
          with upload, download, the f64 kernel of each face and the CPU's rays.\n\n\
          | model | faces | kernel, Mrays/s | whole, Mrays/s | CPU, Mrays/s | uncertain, % | contradicted | differing rays | \
-         bytes per ray | tables, MB | compile, s |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+         bytes per ray | tables, MB | compile, s | prepare, wait, complete: ns per ray and thread |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|\n",
         adapter.name(),
         adapter.kind(),
         adapter.driver(),
