@@ -2,13 +2,16 @@
 
 use crate::error::GpuError;
 use crate::program::{GpuProgram, GpuReport};
-use rayweave_model::{Collected, FirstHits, Query, Rays, RegionId, Window};
+use rayweave_model::{Collected, FirstHits, Query, RayAnswer, Rays, RegionId, Window};
 use rayweave_trace::RayDevice;
 use std::num::NonZeroUsize;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The number of rays per batch: a few milliseconds of work of a fast card, and few enough for several batches per picture.
 const BATCH: NonZeroUsize = NonZeroUsize::new(1 << 16).unwrap();
+
+/// Crossings of a ray that the device returns; rays with more are traced by the CPU.
+const MOST: NonZeroUsize = NonZeroUsize::new(16).unwrap();
 
 /// A [`GpuProgram`] as the device of an evaluator: [`Accelerated`](rayweave_trace::Accelerated) passes its queries to it.
 ///
@@ -80,17 +83,23 @@ impl RayDevice for GpuDevice {
     }
 
     fn nearest(&self, rays: Rays<'_>, window: Window, hits: &mut FirstHits<'_>) -> bool {
-        if window != Query::nearest().window {
-            return false;
+        if window == Query::nearest().window {
+            return self.ask(|gpu| gpu.nearest(rays, hits).map(|report| ((), report))).is_some();
         }
-        self.ask(|program| program.nearest(rays, hits).map(|report| ((), report))).is_some()
+        let query = Query { window, ..Query::nearest() };
+        let Some(found) = self.crossings(rays, &query) else { return false };
+        let program = self.program.program();
+        for (ray, &start) in found.starts.iter().enumerate() {
+            hits.put(program, &rays, &RayAnswer { ray, start, crossings: found.of(ray) });
+        }
+        true
     }
 
-    fn crossings(&self, _: Rays<'_>, _: &Query<'_>) -> Option<Collected> {
-        None
+    fn crossings(&self, rays: Rays<'_>, query: &Query<'_>) -> Option<Collected> {
+        self.ask(|gpu| gpu.collect(rays, query, MOST))
     }
 
-    fn regions_at(&self, _: [&[f64]; 3], _: &mut [RegionId]) -> bool {
-        false
+    fn regions_at(&self, points: [&[f64]; 3], out: &mut [RegionId]) -> bool {
+        self.ask(|gpu| gpu.regions_at(points, out).map(|report| ((), report))).is_some()
     }
 }

@@ -6,17 +6,22 @@ use crate::flat::{Flat, MOST_NODES};
 use crate::frame::{Clock, Frame, Sender, Sent};
 use crate::kernel::{Answer, Kernel, RAY_BYTES, Slot, Tables};
 use crate::layout::{Layout, magnitude_of};
+use crate::shader::Entry;
 use crate::terms::Top;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::weld::local_ray;
 use rayweave_model::{
-    Collected, Crossing, Evaluator, Face, FirstHits, PlacementId, Program, PrototypeId, Query, RayAnswer,
-    RayBatch, Rays, RegionId, Sink, Window, attributes,
+    Crossing, Evaluator, Face, FirstHits, PlacementId, Program, PrototypeId, RayBatch, Rays, RegionId,
+    Window, attributes,
 };
 use rayweave_shape::Ray;
 use rayweave_trace::Packets;
 use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+mod queries;
+
+use queries::Others;
 
 /// Rays that are on the device at a time, per slot.
 const BATCH: usize = 1 << 20;
@@ -28,7 +33,6 @@ const CHUNK: usize = 1 << 14;
 const UNCERTAIN: u32 = 1 << 31;
 const MISS: u32 = 1 << 30;
 const SHARED: u32 = 1 << 29;
-const MORE: u32 = 1 << 28;
 
 /// A compiled model on a device.
 ///
@@ -45,8 +49,8 @@ pub struct GpuProgram {
     /// One query at a time uses them.
     slots: Mutex<[Slot; 2]>,
     batch: usize,
-    /// The kernel for all crossings, with its buffers, compiled on first use.
-    all: Mutex<Option<All>>,
+    /// Kernels with an answer of several rows per ray, or none for crossings, compiled on first use.
+    others: Others,
 }
 
 /// What a query cost.
@@ -81,15 +85,6 @@ impl GpuReport {
     }
 }
 
-/// The kernel for all crossings.
-#[derive(Debug)]
-struct All {
-    most: usize,
-    kernel: Kernel,
-    slot: Slot,
-    batch: usize,
-}
-
 /// Columns of a chunk of rays.
 struct Part<'a> {
     first: usize,
@@ -118,7 +113,7 @@ impl GpuProgram {
     pub fn new(adapter: &Adapter, program: Arc<Program>) -> Result<GpuProgram, GpuError> {
         let (layout, sender) = compile(&program)?;
         let tables = Tables::new(adapter.open()?, &layout, sender.bounded)?;
-        let kernel = Kernel::new(tables, &layout, None)?;
+        let kernel = Kernel::new(tables, &layout, Entry::Nearest)?;
         let batch = BATCH.min((kernel.device().limit / RAY_BYTES as u64) as usize);
         let slots = [kernel.slot(batch)?, kernel.slot(batch)?];
         Ok(GpuProgram {
@@ -129,7 +124,7 @@ impl GpuProgram {
             layout,
             slots: Mutex::new(slots),
             batch,
-            all: Mutex::new(None),
+            others: Others::default(),
         })
     }
 
@@ -171,109 +166,6 @@ impl GpuProgram {
             report.add(self.complete(&rays, first, &answers, hits));
         }
         Ok(report)
-    }
-
-    /// All crossings after t = 0 of every ray, as [`Evaluator::collect`] computes them with the window from 0 on. Rays with more
-    /// than `most` crossings are traced by the CPU and counted as uncertain. The kernel for a number is compiled when that number is
-    /// first used after another.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::Ray`], [`GpuError::Lost`] and [`GpuError::TooLarge`], like [`GpuProgram::nearest`].
-    pub fn crossings(&self, rays: Rays<'_>, most: NonZeroUsize) -> Result<(Collected, GpuReport), GpuError> {
-        self.program.check_rays(rays)?;
-        let mut all = self.all.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        if all.as_ref().is_none_or(|all| all.most != most.get()) {
-            *all = Some(self.all(most.get())?);
-        }
-        let (mut collected, mut report) = (Collected::default(), GpuReport::default());
-        let Some(All { kernel, slot, batch, .. }) = &*all else { return Ok((collected, report)) };
-        let mut answers = Vec::new();
-        for first in (0..rays.len()).step_by(*batch) {
-            let part = rays.slice(first..rays.len().min(first + batch));
-            let pending = kernel.start(slot, &self.prepare(&part));
-            kernel.finish(slot, pending, &mut answers)?;
-            report.bytes += (part.len() * (RAY_BYTES + kernel.answer_bytes())) as u64;
-            let ranges = (0..part.len()).step_by(CHUNK).map(|at| at..part.len().min(at + CHUNK));
-            let work = |scratch: &mut _, range: std::ops::Range<usize>| {
-                let rows = &answers[range.start * kernel.rows..range.end * kernel.rows];
-                self.collect_part(&part.slice(range), rows, kernel.rows, scratch)
-            };
-            for (found, cost) in run(part.len(), ranges, || self.cpu.scratch(), work) {
-                collected.append(&found);
-                report.add(cost);
-            }
-        }
-        Ok((collected, report))
-    }
-
-    fn all(&self, most: usize) -> Result<All, GpuError> {
-        let kernel = Kernel::new(self.kernel.tables.clone(), &self.layout, Some(most))?;
-        let fits = (kernel.device().limit / kernel.answer_bytes() as u64) as usize;
-        let batch = (BATCH / kernel.rows).clamp(1, fits.max(1));
-        let slot = kernel.slot(batch)?;
-        Ok(All { most, kernel, slot, batch })
-    }
-
-    /// The crossings of some rays from the rows of their answers.
-    fn collect_part(
-        &self,
-        rays: &Rays<'_>,
-        answers: &[Answer],
-        rows: usize,
-        scratch: &mut <Packets as Evaluator>::Scratch,
-    ) -> (Collected, GpuReport) {
-        let (mut found, mut report) = (Collected::default(), GpuReport::default());
-        let mut crossings = Vec::new();
-        for (i, answer) in answers.chunks_exact(rows).enumerate() {
-            report.rays += 1;
-            crossings.clear();
-            let start = match self.sender.send(rays, i) {
-                Sent::Passes => Some(0),
-                Sent::Cpu => {
-                    report.distant += 1;
-                    None
-                }
-                Sent::Device(..) if answer[0][0] & (UNCERTAIN | MORE) != 0 => {
-                    report.uncertain += 1;
-                    None
-                }
-                Sent::Device(_, clock) => {
-                    let ray = rays.get(i);
-                    let predicted = answer.iter().skip(1).take(answer[0][0] as usize);
-                    crossings.extend(predicted.map_while(|row| self.polished_between(&ray, row, clock)));
-                    let ordered = crossings.windows(2).all(|pair: &[Crossing]| pair[0].t < pair[1].t);
-                    let complete = ordered && crossings.len() == answer[0][0] as usize;
-                    let shared = answer.iter().skip(1).take(answer[0][0] as usize).any(is_between);
-                    match (complete, shared) {
-                        (true, _) => self.layout.regions.get(answer[0][1] as usize).copied(),
-                        (false, shared) => {
-                            let count = if shared { &mut report.uncertain } else { &mut report.contradicted };
-                            *count += 1;
-                            None
-                        }
-                    }
-                }
-            };
-            match start {
-                Some(start) => {
-                    let start = RegionId(start);
-                    found.ray(RayAnswer { ray: i, start, crossings: &crossings });
-                }
-                None => {
-                    let Ok(window) = Window::new(0.0, f64::INFINITY) else { continue };
-                    let query = Query { window, ..Query::default() };
-                    self.cpu.crossings(rays.slice(i..i + 1), &query, scratch, &mut found);
-                }
-            }
-        }
-        (found, report)
-    }
-
-    /// Like [`GpuProgram::polished`]; `None` also for a crossing between two regions at which several leaves change: each side
-    /// may have a face of its own.
-    fn polished_between(&self, ray: &Ray, answer: &Answer, clock: Clock) -> Option<Crossing> {
-        if is_between(answer) { None } else { self.polished(ray, answer, clock) }
     }
 
     /// Seconds that the kernel alone takes for a batch that is already on the device, the least of several runs, and the number
@@ -413,7 +305,7 @@ impl GpuProgram {
         let &nearest = times.iter().min_by(|a, b| distance(**a).total_cmp(&distance(**b)))?;
         // the interval of the device holds one root; a prediction about halfway between two is not its middle
         let is_clear = |&t: &f64| t == nearest || distance(t) > 2.0 * distance(nearest);
-        let is_near = nearest > 0.0 && distance(nearest) < clock.rate;
+        let is_near = nearest > clock.from && distance(nearest) < clock.rate;
         (is_near && times.iter().all(is_clear)).then_some(Crossing {
             t: nearest,
             face,
@@ -475,11 +367,6 @@ impl GpuProgram {
     }
 }
 
-/// True if several leaves change at a crossing between two regions.
-fn is_between(answer: &Answer) -> bool {
-    answer[0] & SHARED != 0 && answer[2] >> 16 != 0 && answer[2] & 0xffff != 0
-}
-
 fn miss(part: &mut Part<'_>, k: usize, region: u32) {
     part.t[k] = f64::INFINITY;
     part.face[k] = -1;
@@ -499,6 +386,7 @@ pub(crate) fn compile(program: &Program) -> Result<(Layout, Sender), GpuError> {
         frame,
         bounded: is_bounded(program, &frame),
         magnitude: magnitude_of(program, PrototypeId(0)),
+        from: 0.0,
     };
     if program.regions().len() > 0xfffe {
         return Err(GpuError::Unsupported(Unsupported::Regions));

@@ -26,6 +26,8 @@ struct Params {
 const EITHER: u32 = 0xfffffffeu;
 const HIDDEN: u32 = 0xfffffffdu;
 const ATOMS: u32 = @ATOMS@;
+// True if only the regions at the starts of the windows are computed.
+const ONLY_START: bool = @ONLY_START@;
 
 // The events of an atom: its side before them, and up to two intervals with the facet crossed in each.
 struct Events {
@@ -221,6 +223,9 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
         return Change(false, 0u, 0u, 0u, from_.x, BIG, HIDDEN, 0u);
     }
     let start = owner(group, outputs, bits);
+    if ONLY_START {
+        return Change(true, start, start, start, BIG, BIG, NONE, 0u);
+    }
     var region = start;
     for (var step = 0u; step < 2u * ATOMS + 1u; step++) {
         // the earliest event
