@@ -4,6 +4,7 @@
 mod arguments;
 mod cli;
 mod command;
+mod device;
 mod drawing;
 mod failure;
 mod interrupt;

@@ -21,6 +21,14 @@ pub enum GpuError {
         /// The number of adapters.
         count: usize,
     },
+    /// The best adapter is a program on the processor.
+    #[error(
+        "no graphics card was found: the only adapter, `{adapter}`, is a program on the processor. To use it, give its number."
+    )]
+    OnlySoftware {
+        /// The name of the adapter.
+        adapter: String,
+    },
     /// The driver refused to open the device.
     #[error("the GPU `{adapter}` cannot be opened: {reason}. Is it in use or out of memory?")]
     Open {

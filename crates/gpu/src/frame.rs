@@ -10,6 +10,9 @@ pub(crate) const NEAR: f64 = 4.0;
 /// grows with the distance of a ray's origin and reaches this at some 1e7 sizes.
 const MOST_TOLERANCE: f64 = 1e-6;
 
+/// A time before or after everything, as in the shader.
+const FARTHEST: f64 = 1e30;
+
 /// A frame with the origin `centre`, whose unit is `scale`, a power of two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Frame {
@@ -70,6 +73,8 @@ impl DeviceRay {
 pub(crate) struct Clock {
     pub shift: f64,
     pub rate: f64,
+    /// The start of the window.
+    pub from: f64,
 }
 
 /// Where a ray is traced.
@@ -91,10 +96,12 @@ pub(crate) struct Sender {
     pub bounded: bool,
     /// The greatest magnitude of a surface of the model itself.
     pub magnitude: f64,
+    /// The start of the window, a time that may be infinite.
+    pub from: f64,
 }
 
 impl Sender {
-    /// Ray `i` of a batch, from t = 0 on.
+    /// Ray `i` of a batch, from the start of the window on.
     ///
     /// A ray from outside is moved to its point closest to the centre, in f64, so that the distance of its origin costs no
     /// digits. The bound of the error of its origin includes, besides the rounding to f32, the tolerance of the CPU's
@@ -121,20 +128,26 @@ impl Sender {
             let misses = self.bounded && tolerance < MOST_TOLERANCE && at.is_finite();
             return (if misses { Route::Passes } else { Route::Cpu }, DeviceRay::NONE);
         }
-        if shift < 0.0 && self.bounded && square > 4.0 * scale * scale {
+        let per_speed = factor * per_length;
+        // the window starts at this length along the ray
+        let begin = self.from / per_speed;
+        let start = offset + begin * unit;
+        if shift < begin && self.bounded && start.length_squared() > 4.0 * scale * scale {
             // behind the start, and outside of everything
             return (Route::Passes, DeviceRay::NONE);
         }
+        // f32 holds an infinite start as one that is farther away than anything
+        let start = ((begin - shift) * per_scale).clamp(-FARTHEST, FARTHEST);
         let origin = at.to_array().map(|x| x as f32);
         let error = (0..3).map(|k| (at[k] - f64::from(origin[k])).abs()).fold(0.0, f64::max);
         let device = DeviceRay {
             origin,
-            start: (-shift * per_scale) as f32,
+            start: start as f32,
             direction: unit.to_array().map(|x| x as f32),
             error: above(error + tolerance),
         };
-        let per_speed = factor * per_length;
-        (Route::Device(Clock { shift: shift * per_speed, rate: scale * per_speed }), device)
+        let clock = Clock { shift: shift * per_speed, rate: scale * per_speed, from: self.from };
+        (Route::Device(clock), device)
     }
 }
 
@@ -165,7 +178,7 @@ mod tests {
 
     fn sender(bounded: bool) -> Sender {
         let frame = Frame { centre: Vec3::new(1.0, 2.0, 3.0), scale: 4.0 };
-        Sender { frame, bounded, magnitude: 10.0 }
+        Sender { frame, bounded, magnitude: 10.0, from: 0.0 }
     }
 
     fn send(bounded: bool, origin: Vec3, direction: Vec3) -> (Route, DeviceRay) {

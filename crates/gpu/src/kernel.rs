@@ -4,7 +4,7 @@ use crate::adapter::Device;
 use crate::error::GpuError;
 use crate::frame::DeviceRay;
 use crate::layout::Layout;
-use crate::shader;
+use crate::shader::{self, Entry};
 use std::sync::{Arc, mpsc};
 
 /// Bytes of a ray on its way to the device, and of its answer.
@@ -76,10 +76,10 @@ impl Tables {
 }
 
 impl Kernel {
-    /// The kernel for first crossings, or for up to `most` crossings of each ray.
-    pub fn new(tables: Tables, layout: &Layout, most: Option<usize>) -> Result<Kernel, GpuError> {
+    /// The kernel with an entry point.
+    pub fn new(tables: Tables, layout: &Layout, entry: Entry) -> Result<Kernel, GpuError> {
         let device = &tables.device;
-        let source = shader::source(layout, most);
+        let source = shader::source(layout, entry);
         let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("crossings"),
             source: wgpu::ShaderSource::Wgsl(source.into()),
@@ -95,7 +95,7 @@ impl Kernel {
         });
         device.check()?;
         let bind = pipeline.get_bind_group_layout(0);
-        Ok(Kernel { tables, pipeline, layout: bind, rows: 1 + most.unwrap_or(0) })
+        Ok(Kernel { tables, pipeline, layout: bind, rows: entry.rows() })
     }
 
     /// The device.

@@ -10,6 +10,7 @@
 
 mod adapter;
 mod error;
+mod evaluator;
 mod flat;
 mod frame;
 mod kernel;
@@ -21,4 +22,5 @@ mod twin;
 
 pub use adapter::{Adapter, AdapterKind, Gpu};
 pub use error::{GpuError, Unsupported};
+pub use evaluator::GpuDevice;
 pub use program::{GpuProgram, GpuReport};

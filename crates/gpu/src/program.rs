@@ -6,20 +6,23 @@ use crate::flat::{Flat, MOST_NODES};
 use crate::frame::{Clock, Frame, Route, Sender};
 use crate::kernel::{Answer, Kernel, RAY_BYTES, Slot, Tables};
 use crate::layout::{Layout, magnitude_of};
-use crate::shader;
+use crate::shader::{self, Entry};
 use crate::terms::Top;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::weld::local_ray;
 use rayweave_model::{
-    BadRay, Collected, Crossing, Evaluator, Face, FirstHits, PlacementId, Program, PrototypeId, Query,
-    RayAnswer, RayBatch, Rays, RegionId, Sink, Window, attributes,
+    BadRay, Crossing, Evaluator, Face, FirstHits, PlacementId, Program, PrototypeId, RayBatch, Rays,
+    RegionId, Window, attributes,
 };
 use rayweave_shape::Ray;
 use rayweave_trace::Packets;
 use std::num::NonZeroUsize;
-use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+
+mod queries;
+
+use queries::Others;
 
 /// The largest and the smallest number of rays of a batch. A small batch leaves much of a large card idle; a thread prepares and
 /// completes a batch alone, so a query needs at least one batch for each thread.
@@ -33,7 +36,6 @@ const THREADS_PER_CORE: NonZeroUsize = NonZeroUsize::new(2).unwrap();
 const UNCERTAIN: u32 = 1 << 31;
 const MISS: u32 = 1 << 30;
 const SHARED: u32 = 1 << 29;
-const MORE: u32 = 1 << 28;
 
 /// A compiled model on a device.
 ///
@@ -47,8 +49,8 @@ pub struct GpuProgram {
     kernel: Kernel,
     sender: Sender,
     layout: Layout,
-    /// The kernel for all crossings, compiled on first use.
-    all: Mutex<Option<Arc<All>>>,
+    /// Kernels with an answer of several rows per ray, or none for crossings, compiled on first use.
+    others: Others,
     /// The memory of earlier queries: new memory costs more time than the conversion of rays.
     idle: Mutex<Vec<Worker>>,
 }
@@ -92,13 +94,6 @@ impl GpuReport {
     pub fn cpu_share(&self) -> f64 {
         (self.uncertain + self.distant + self.contradicted) as f64 / self.rays.max(1) as f64
     }
-}
-
-/// The kernel for all crossings.
-#[derive(Debug)]
-struct All {
-    most: usize,
-    kernel: Kernel,
 }
 
 /// Columns of a chunk of rays.
@@ -147,9 +142,10 @@ impl GpuProgram {
     pub fn new(adapter: &Adapter, program: Arc<Program>) -> Result<GpuProgram, GpuError> {
         let (layout, sender) = compile(&program)?;
         let tables = Tables::new(adapter.open()?, &layout, sender.bounded)?;
-        let kernel = Kernel::new(tables, &layout, None)?;
+        let kernel = Kernel::new(tables, &layout, Entry::Nearest)?;
         let cpu = Packets::new(program.clone());
-        Ok(GpuProgram { program, cpu, kernel, sender, layout, all: Mutex::new(None), idle: Mutex::default() })
+        let (others, idle) = (Others::default(), Mutex::default());
+        Ok(GpuProgram { program, cpu, kernel, sender, layout, others, idle })
     }
 
     /// The program.
@@ -180,40 +176,6 @@ impl GpuProgram {
         Ok(report)
     }
 
-    /// All crossings after t = 0 of every ray, as [`Evaluator::collect`] computes them with the window from 0 on. Rays with more
-    /// than `most` crossings are traced by the CPU and counted as uncertain. The kernel for a number is compiled when that number is
-    /// first used after another.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::Ray`], [`GpuError::Lost`] and [`GpuError::TooLarge`], like [`GpuProgram::nearest`].
-    pub fn crossings(&self, rays: Rays<'_>, most: NonZeroUsize) -> Result<(Collected, GpuReport), GpuError> {
-        let all = self.all(most.get())?;
-        let (mut collected, mut report) = (Collected::default(), GpuReport::default());
-        let batch = self.batch(rays.len(), &all.kernel);
-        let ranges = (0..rays.len()).step_by(batch).map(|at| at..rays.len().min(at + batch));
-        let work =
-            |worker: &mut Worker, range: Range<usize>| self.collect_part(&rays, range, &all.kernel, worker);
-        for part in self.run(ranges, work) {
-            let (found, cost) = part?;
-            collected.append(&found);
-            report.add(cost);
-        }
-        Ok((collected, report))
-    }
-
-    /// The kernel for up to `most` crossings of each ray.
-    fn all(&self, most: usize) -> Result<Arc<All>, GpuError> {
-        let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
-        match &*all {
-            Some(all) if all.most == most => Ok(all.clone()),
-            _ => {
-                let kernel = Kernel::new(self.kernel.tables.clone(), &self.layout, Some(most))?;
-                Ok(all.insert(Arc::new(All { most, kernel })).clone())
-            }
-        }
-    }
-
     /// The number of rays of a batch.
     fn batch(&self, rays: usize, kernel: &Kernel) -> usize {
         let fits = kernel.device().limit / kernel.answer_bytes().max(RAY_BYTES) as u64;
@@ -222,64 +184,6 @@ impl GpuProgram {
             .max(FEWEST_RAYS)
             .min(most.max(1))
             .next_multiple_of(shader::WORKGROUP as usize)
-    }
-
-    /// The crossings of a batch.
-    fn collect_part(
-        &self,
-        rays: &Rays<'_>,
-        range: Range<usize>,
-        kernel: &Kernel,
-        worker: &mut Worker,
-    ) -> Result<(Collected, GpuReport), GpuError> {
-        let first = range.start;
-        let rays = rays.slice(range);
-        let mut report = self.answers(kernel, &rays, first, worker)?;
-        let Worker { routes, answers, scratch, .. } = worker;
-        let scratch = scratch.get_or_insert_with(|| self.cpu.scratch());
-        let (mut found, mut crossings) = (Collected::default(), Vec::new());
-        let window = Window::new(0.0, f64::INFINITY).unwrap_or_default();
-        let query = Query { window, ..Query::default() };
-        for (i, (route, answer)) in routes.iter().zip(answers.chunks_exact(kernel.rows)).enumerate() {
-            crossings.clear();
-            let start = match *route {
-                Route::Passes => Some(0),
-                Route::Cpu => {
-                    report.distant += 1;
-                    None
-                }
-                Route::Device(_) if answer[0][0] & (UNCERTAIN | MORE) != 0 => {
-                    report.uncertain += 1;
-                    None
-                }
-                Route::Device(clock) => {
-                    let ray = rays.get(i);
-                    let predicted = answer.iter().skip(1).take(answer[0][0] as usize);
-                    let shared = predicted.clone().any(is_between);
-                    crossings.extend(predicted.map_while(|row| self.polished_between(&ray, row, clock)));
-                    let ordered = crossings.windows(2).all(|pair: &[Crossing]| pair[0].t < pair[1].t);
-                    if ordered && crossings.len() == answer[0][0] as usize {
-                        self.layout.regions.get(answer[0][1] as usize).copied()
-                    } else {
-                        *(if shared { &mut report.uncertain } else { &mut report.contradicted }) += 1;
-                        None
-                    }
-                }
-            };
-            match start {
-                Some(start) => {
-                    found.ray(RayAnswer { ray: i, start: RegionId(start), crossings: &crossings });
-                }
-                None => self.cpu.crossings(rays.slice(i..i + 1), &query, scratch, &mut found),
-            }
-        }
-        Ok((found, report))
-    }
-
-    /// Like [`GpuProgram::polished`]; `None` also for a crossing between two regions at which several leaves change: each side
-    /// may have a face of its own.
-    fn polished_between(&self, ray: &Ray, answer: &Answer, clock: Clock) -> Option<Crossing> {
-        if is_between(answer) { None } else { self.polished(ray, answer, clock) }
     }
 
     /// Seconds that the kernel alone takes for a batch that is already on the device, the least of several runs, and the number
@@ -293,7 +197,7 @@ impl GpuProgram {
         let fits = self.kernel.device().limit / RAY_BYTES as u64;
         let count = rays.len().min(1 << 20).min(usize::try_from(fits).unwrap_or(usize::MAX));
         let (mut routes, mut bytes) = (Vec::new(), Vec::new());
-        self.prepare(&rays.slice(0..count), &mut routes, &mut bytes);
+        prepare(&self.sender, &rays.slice(0..count), &mut routes, &mut bytes);
         let mut slot = self.kernel.slot(count)?;
         self.kernel.fill(&mut slot, &bytes)?;
         let seconds = |repeats: usize| -> Result<f64, GpuError> {
@@ -338,23 +242,12 @@ impl GpuProgram {
         self.idle.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The rays as the kernel reads them.
-    fn prepare(&self, rays: &Rays<'_>, routes: &mut Vec<Route>, bytes: &mut Vec<u8>) {
-        routes.clear();
-        bytes.clear();
-        for i in 0..rays.len() {
-            let (route, ray) = self.sender.send(rays, i);
-            bytes.extend_from_slice(&ray.bytes());
-            routes.push(route);
-        }
-    }
-
     /// Prepares a batch, runs a kernel on it and waits for the answers.
     ///
     /// `first` is the number of its first ray in the query.
     fn answers(
         &self,
-        kernel: &Kernel,
+        (kernel, sender): (&Kernel, &Sender),
         rays: &Rays<'_>,
         first: usize,
         worker: &mut Worker,
@@ -363,7 +256,7 @@ impl GpuProgram {
         self.program
             .check_rays(*rays)
             .map_err(|bad| BadRay { ray: first + bad.ray, problem: bad.problem })?;
-        self.prepare(rays, &mut worker.routes, &mut worker.bytes);
+        prepare(sender, rays, &mut worker.routes, &mut worker.bytes);
         let prepared = clock.elapsed();
         let mut slot = match worker.slot.take() {
             Some(slot) if slot.holds(rays.len(), kernel) => slot,
@@ -389,7 +282,7 @@ impl GpuProgram {
         worker: &mut Worker,
     ) -> Result<GpuReport, GpuError> {
         let rays = rays.slice(part.first..part.first + part.t.len());
-        let mut report = self.answers(&self.kernel, &rays, part.first, worker)?;
+        let mut report = self.answers((&self.kernel, &self.sender), &rays, part.first, worker)?;
         let clock = Instant::now();
         worker.again.clear();
         for (k, (route, answer)) in worker.routes.iter().zip(&worker.answers).enumerate() {
@@ -452,7 +345,7 @@ impl GpuProgram {
         let &nearest = times.iter().min_by(|a, b| distance(**a).total_cmp(&distance(**b)))?;
         // the interval of the device holds one root; a prediction about halfway between two is not its middle
         let is_clear = |&t: &f64| t == nearest || distance(t) > 2.0 * distance(nearest);
-        let is_near = nearest > 0.0 && distance(nearest) < clock.rate;
+        let is_near = nearest > clock.from && distance(nearest) < clock.rate;
         (is_near && times.iter().all(is_clear)).then_some(Crossing {
             t: nearest,
             face,
@@ -515,11 +408,6 @@ impl GpuProgram {
     }
 }
 
-/// True if several leaves change at a crossing between two regions.
-fn is_between(answer: &Answer) -> bool {
-    answer[0] & SHARED != 0 && answer[2] >> 16 != 0 && answer[2] & 0xffff != 0
-}
-
 fn miss(part: &mut Part<'_>, k: usize, region: u32) {
     part.t[k] = f64::INFINITY;
     part.face[k] = -1;
@@ -539,6 +427,7 @@ pub(crate) fn compile(program: &Program) -> Result<(Layout, Sender), GpuError> {
         frame,
         bounded: is_bounded(program, &frame),
         magnitude: magnitude_of(program, PrototypeId(0)),
+        from: 0.0,
     };
     if program.regions().len() > 0xfffe {
         return Err(GpuError::Unsupported(Unsupported::Regions));
@@ -561,6 +450,17 @@ fn is_bounded(program: &Program, frame: &Frame) -> bool {
     bounds.is_empty()
         || bounds.is_finite()
             && bounds.corners().into_iter().all(|corner| frame.point(corner).length() <= 1.0 + 1e-9)
+}
+
+/// The rays as the kernel reads them.
+fn prepare(sender: &Sender, rays: &Rays<'_>, routes: &mut Vec<Route>, bytes: &mut Vec<u8>) {
+    routes.clear();
+    bytes.clear();
+    for i in 0..rays.len() {
+        let (route, ray) = sender.send(rays, i);
+        bytes.extend_from_slice(&ray.bytes());
+        routes.push(route);
+    }
 }
 
 /// The number of threads that prepare and complete batches.

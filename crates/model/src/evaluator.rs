@@ -7,6 +7,7 @@ use crate::{
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::Vec3;
 use rayweave_shape::{Ray, RayError};
+use std::num::NonZeroUsize;
 use std::ops::Range;
 
 /// The open interval `t_min < t < t_max` of a ray that a query covers. Both ends may be infinite.
@@ -280,6 +281,12 @@ pub trait Evaluator: Sync {
 
     /// Creates working memory for one thread.
     fn scratch(&self) -> Self::Scratch;
+
+    /// The number of rays per batch with which the evaluator is fastest; `None` if batches of a few hundred rays are, whose
+    /// answers fit into a processor's cache. The number never affects the answers.
+    fn preferred_batch(&self) -> Option<NonZeroUsize> {
+        None
+    }
 
     /// Passes the crossings of every ray of a batch to the sink.
     ///

@@ -194,6 +194,8 @@ mod error;
 #[cfg(feature = "formats")]
 mod load;
 
+pub mod device;
+
 pub mod shapes;
 
 /// Vectors, affine maps and boxes.

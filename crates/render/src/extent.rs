@@ -2,6 +2,7 @@
 
 use crate::{Camera, Size};
 use rayweave_math::Bounds;
+use std::num::NonZeroUsize;
 use std::ops::Range;
 
 /// For each row of pixels, the columns in which the model can be visible.
@@ -14,7 +15,7 @@ pub(crate) struct Extent {
 }
 
 /// A tile of the picture, whose rays are traced as one batch: they are coherent, and their hits fit into the
-/// L1 cache.
+/// L1 cache unless the evaluator prefers larger batches.
 pub(crate) struct Tile {
     /// The parts of its rows inside the extent, block by block.
     pub parts: Vec<Part>,
@@ -28,9 +29,30 @@ pub(crate) struct Part {
     pub offset: usize,
 }
 
+/// The size of tiles: columns and rows, whole numbers of blocks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct TileSize {
+    width: usize,
+    pub height: usize,
+}
+
+impl TileSize {
+    /// Tiles of a picture for an evaluator that prefers batches of this many rays.
+    pub fn new(batch: Option<NonZeroUsize>, picture: Size) -> TileSize {
+        let smallest = TileSize { width: 32, height: 8 };
+        let [columns, rows] = Tile::BLOCK;
+        match batch {
+            None => smallest,
+            Some(batch) => {
+                let width = picture.width().next_multiple_of(columns).max(smallest.width);
+                let height = (batch.get() / width).min(picture.height()).next_multiple_of(rows);
+                TileSize { width, height: height.max(smallest.height) }
+            }
+        }
+    }
+}
+
 impl Tile {
-    pub const WIDTH: usize = 32;
-    pub const HEIGHT: usize = 8;
     /// Block of pixels, columns and rows, whose rays are consecutive: evaluators process about eight rays at
     /// a time, and a compact block touches fewer leaves than a row of as many pixels.
     const BLOCK: [usize; 2] = [4, 2];
@@ -64,14 +86,14 @@ impl Extent {
     }
 
     /// The non-empty tiles of a band of rows, from left to right.
-    pub fn tiles(&self, rows: Range<usize>) -> impl Iterator<Item = Tile> + '_ {
+    pub fn tiles(&self, size: TileSize, rows: Range<usize>) -> impl Iterator<Item = Tile> + '_ {
         let busy = rows.clone().map(|row| self.columns(row)).filter(|columns| !columns.is_empty());
         let all = busy.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0);
-        all.clone().step_by(Tile::WIDTH).map(move |left| {
+        all.clone().step_by(size.width).map(move |left| {
             let [width, height] = Tile::BLOCK;
-            let mut parts = Vec::with_capacity(Tile::WIDTH / width * Tile::HEIGHT);
+            let mut parts = Vec::with_capacity(size.width / width * size.height);
             for top in rows.clone().step_by(height) {
-                for left in (left..left + Tile::WIDTH).step_by(width) {
+                for left in (left..left + size.width).step_by(width) {
                     let part = |row| self.part(row, left..left + width);
                     parts.extend((top..rows.end.min(top + height)).filter_map(part));
                 }

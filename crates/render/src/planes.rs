@@ -1,7 +1,7 @@
 //! Images of plain numbers: depth, normals and ids.
 
 use crate::columns::Columns;
-use crate::extent::{Extent, Tile};
+use crate::extent::{Extent, TileSize};
 use crate::{Camera, PixelGrid, RenderError, Run, Size, sweep};
 use fearless_simd::Level;
 use rayweave_model::{Evaluator, LeafKind, Program, Query};
@@ -164,9 +164,13 @@ struct Bands<'a, E> {
 }
 
 impl<E: Evaluator> Bands<'_, E> {
+    fn tiles(&self) -> TileSize {
+        TileSize::new(self.evaluator.preferred_batch(), self.size)
+    }
+
     /// Splits a plane into bands.
     fn of<'p, T>(&self, plane: &'p mut PixelGrid<T>) -> std::slice::ChunksMut<'p, T> {
-        plane.values_mut().chunks_mut(Tile::HEIGHT * self.size.width())
+        plane.values_mut().chunks_mut(self.tiles().height * self.size.width())
     }
 
     /// Calls `put` for each pixel whose ray hits something, with its band, its index in the band, the hits,
@@ -179,10 +183,11 @@ impl<E: Evaluator> Bands<'_, E> {
     ) -> Result<(), RenderError> {
         let extent = Extent::new(self.camera, self.size, &self.evaluator.program().bounds());
         let (width, height, level) = (self.size.width(), self.size.height(), Level::new());
+        let tiles = self.tiles();
         let scratch = || (self.evaluator.scratch(), Columns::default(), Vec::new());
         run.each(0.0..1.0, bands.enumerate(), scratch, |(scratch, hits, places), (number, mut band)| {
-            let first = number * Tile::HEIGHT;
-            for tile in extent.tiles(first..(first + Tile::HEIGHT).min(height)) {
+            let first = number * tiles.height;
+            for tile in extent.tiles(tiles, first..(first + tiles.height).min(height)) {
                 tile.centres(places);
                 sweep::rays(level, self.camera, self.size, places, hits);
                 hits.trace(self.evaluator, Query::nearest().window, self.with_normals, scratch);

@@ -3,7 +3,7 @@
 use crate::camera_rays::CameraRays;
 use crate::colour::{Premultiplied, over, pixel, premultiply};
 use crate::contrast::Contrast;
-use crate::extent::{Extent, Tile, centre};
+use crate::extent::{Extent, Tile, TileSize, centre};
 use crate::first_pass::FirstPass;
 use crate::image::Image;
 use crate::pen::Pen;
@@ -40,6 +40,7 @@ pub fn render<E: Evaluator>(
         camera,
         settings,
         size: settings.size,
+        tiles: TileSize::new(evaluator.preferred_batch(), settings.size),
         shader: Shader::new(evaluator.program(), camera, settings),
         contrast: Contrast::new(camera, settings.size, settings.lines.as_ref()),
         pen: settings.lines.map(|lines| Pen::new(&lines, settings.samples)),
@@ -75,6 +76,7 @@ struct Drawing<'a, E> {
     camera: &'a Camera,
     settings: &'a RenderOptions,
     size: Size,
+    tiles: TileSize,
     shader: Shader,
     contrast: Contrast,
     pen: Option<Pen>,
@@ -90,7 +92,7 @@ struct Glimpse {
     samples: Vec<Sample>,
 }
 
-/// Pixels per piece of supersampling work.
+/// Pixels per piece of supersampling work, unless the evaluator prefers larger batches.
 const PIECE: usize = 64;
 
 /// The estimated fraction of the work done after each stage.
@@ -117,15 +119,16 @@ impl<E: Evaluator> Drawing<'_, E> {
         let levels = self.shader.levels();
         let mut first_pass = FirstPass::new(self.size, Extent::new(self.camera, self.size, &bounds), levels);
         let (extent, rows) = (&first_pass.extent, &mut first_pass.rows);
-        let bands = image.values_mut().chunks_mut(Tile::HEIGHT * self.size.width());
-        let pieces = bands.zip(rows.chunks_mut(Tile::HEIGHT)).enumerate();
+        let height = self.tiles.height;
+        let bands = image.values_mut().chunks_mut(height * self.size.width());
+        let pieces = bands.zip(rows.chunks_mut(height)).enumerate();
         let end = if self.is_refined() { DONE[0] } else { 1.0 };
         let scratch = || (self.camera_rays(), Glimpse::default());
         // a line at a drawn pixel depends on supersampled pixels within its reach, and these on edges within the reach again, each
         // between two rows
         let needed = self.rows_within(2 * self.reach() + 2);
         run.each(0.0..end, pieces, scratch, |(camera_rays, glimpse), (band, (pixels, samples))| {
-            let first = band * Tile::HEIGHT;
+            let first = band * height;
             for (r, row) in pixels.chunks_mut(self.size.width()).enumerate() {
                 row.fill(pixel(self.behind(first + r)));
                 if self.is_refined() {
@@ -135,7 +138,7 @@ impl<E: Evaluator> Drawing<'_, E> {
             if first >= needed.end || first + samples.len() <= needed.start {
                 return;
             }
-            for tile in extent.tiles(first..first + samples.len()) {
+            for tile in extent.tiles(self.tiles, first..first + samples.len()) {
                 self.trace_tile(&tile, camera_rays, glimpse, pixels, samples);
             }
         })?;
@@ -163,7 +166,7 @@ impl<E: Evaluator> Drawing<'_, E> {
         camera_rays.trace(&glimpse.places, &mut glimpse.samples, &mut glimpse.colours);
         let mut at = 0;
         for part in &tile.parts {
-            let row = part.row % Tile::HEIGHT;
+            let row = part.row % self.tiles.height;
             let length = part.columns.len();
             let first = row * self.size.width() + part.columns.start;
             for (out, &colour) in pixels[first..first + length].iter_mut().zip(&glimpse.colours[at..]) {
@@ -241,7 +244,9 @@ impl<E: Evaluator> Drawing<'_, E> {
         run: &mut Run<'_>,
     ) -> Result<Supersampler<'s>, RenderError> {
         let mut supersampler = Supersampler::new(first_pass, places, self.settings.samples as usize);
-        let (grid, pieces) = supersampler.pieces(PIECE);
+        let rays = (self.settings.samples * self.settings.samples) as usize;
+        let piece = self.evaluator.preferred_batch().map_or(PIECE, |batch| (batch.get() / rays).max(PIECE));
+        let (grid, pieces) = supersampler.pieces(piece);
         let scratch = || (self.camera_rays(), Vec::new());
         run.each(DONE[1]..DONE[2], pieces, scratch, |(camera_rays, at), (places, samples, colours)| {
             at.clear();

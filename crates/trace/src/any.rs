@@ -1,10 +1,12 @@
 //! An evaluator chosen by name at run time.
 
+use crate::accelerated::{Accelerated, RayDevice};
 use crate::single_hit::TooLarge;
 use rayweave_error::{Classified, ErrorKind, Message};
 use rayweave_model::{
     Crossing, Evaluator, FirstHits, HitArrayRows, Program, Query, Rays, RegionId, Sink, Window,
 };
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 /// An evaluator that cannot be made.
@@ -29,7 +31,8 @@ impl Classified for EvaluatorError {
 }
 
 /// Defines [`AnyEvaluator`] and [`AnyScratch`] from one entry for each evaluator: its documentation, an optional `cfg`, its
-/// module in this crate and its type, its name and its constructor. The first entry is the default.
+/// module in this crate and its type, its name and its constructor. The first entry is the default. [`Accelerated`] has no name,
+/// since its constructor needs a device.
 macro_rules! evaluators {
     ($($(#[doc = $doc:literal])+ $(#[cfg($cfg:meta)])? $module:ident::$Kind:ident, $name:literal, $new:expr;)+) => {
         $($(#[cfg($cfg)])? use crate::$module::$Kind;)+
@@ -42,6 +45,8 @@ macro_rules! evaluators {
         #[non_exhaustive]
         pub enum AnyEvaluator {
             $($(#[doc = $doc])+ $(#[cfg($cfg)])? $Kind($Kind),)+
+            /// A device, such as a graphics card, beside the CPU.
+            Accelerated(Accelerated),
         }
 
         /// The scratch memory of a thread for [`AnyEvaluator`].
@@ -54,6 +59,8 @@ macro_rules! evaluators {
                 $(#[cfg($cfg)])?
                 $Kind(<$Kind as Evaluator>::Scratch),
             )+
+            /// For [`AnyEvaluator::Accelerated`].
+            Accelerated(<Accelerated as Evaluator>::Scratch),
         }
 
         const ALL_NAMES: &[&str] = &[$($(#[cfg($cfg)])? $name,)+];
@@ -77,6 +84,7 @@ macro_rules! evaluators {
             fn owns(&self, scratch: &AnyScratch) -> bool {
                 match (self, scratch) {
                     $($(#[cfg($cfg)])? (AnyEvaluator::$Kind(_), AnyScratch::$Kind(_)) => true,)+
+                    (AnyEvaluator::Accelerated(_), AnyScratch::Accelerated(_)) => true,
                     _ => false,
                 }
             }
@@ -84,6 +92,7 @@ macro_rules! evaluators {
             fn new_scratch(&self) -> AnyScratch {
                 match self {
                     $($(#[cfg($cfg)])? AnyEvaluator::$Kind(evaluator) => AnyScratch::$Kind(evaluator.scratch()),)+
+                    AnyEvaluator::Accelerated(evaluator) => AnyScratch::Accelerated(evaluator.scratch()),
                 }
             }
         }
@@ -93,6 +102,7 @@ macro_rules! evaluators {
             ($any:expr, $evaluator:ident => $call:expr) => {
                 match $any {
                     $($(#[cfg($cfg)])? AnyEvaluator::$Kind($evaluator) => $call,)+
+                    AnyEvaluator::Accelerated($evaluator) => $call,
                 }
             };
         }
@@ -105,6 +115,7 @@ macro_rules! evaluators {
                 }
                 match ($any, $scratch) {
                     $($(#[cfg($cfg)])? (AnyEvaluator::$Kind($evaluator), AnyScratch::$Kind($scratch)) => $call,)+
+                    (AnyEvaluator::Accelerated($evaluator), AnyScratch::Accelerated($scratch)) => $call,
                     _ => unreachable!("the scratch was replaced"),
                 }
             }};
@@ -130,6 +141,11 @@ impl AnyEvaluator {
     /// The names to choose from; the first is the default.
     pub const NAMES: [&str; ALL_NAMES.len()] = *ALL_NAMES.first_chunk().expect("as many names as there are");
 
+    /// The evaluator that passes queries to a device, which holds the same program, and to the CPU.
+    pub fn with_device(program: Arc<Program>, device: Arc<dyn RayDevice>) -> AnyEvaluator {
+        AnyEvaluator::Accelerated(Accelerated::new(program, device))
+    }
+
     /// A constructor of the evaluator with this name, for callers that compile programs of their own.
     pub fn maker(name: Option<&str>) -> impl Fn(Arc<Program>) -> Result<AnyEvaluator, EvaluatorError> {
         move |program| AnyEvaluator::new(name, program)
@@ -149,6 +165,10 @@ impl Evaluator for AnyEvaluator {
 
     fn scratch(&self) -> AnyScratch {
         self.new_scratch()
+    }
+
+    fn preferred_batch(&self) -> Option<NonZeroUsize> {
+        each!(self, evaluator => evaluator.preferred_batch())
     }
 
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut AnyScratch, sink: &mut dyn Sink) {

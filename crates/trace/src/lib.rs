@@ -9,10 +9,12 @@
 //!   sweeps the boolean network. It stops early if one crossing is enough.
 //! - [`SingleHit`]: computes the next crossing after t, again and again. It can explain its decisions.
 //! - `Spans`: combines whole hit arrays of many rays, gate by gate, from the leaves up (feature `spans`).
+//! - [`Accelerated`]: passes batches to a [`RayDevice`], such as a graphics card, and everything else to [`Packets`].
 //!
 //! All return the same answers, bit for bit. [`AnyEvaluator`] is one of them, chosen by name.
 
 mod accel;
+mod accelerated;
 mod any;
 mod packets;
 mod reference;
@@ -22,6 +24,7 @@ pub mod single_hit;
 #[cfg(feature = "spans")]
 pub mod spans;
 
+pub use accelerated::{Accelerated, RayDevice};
 pub use any::{AnyEvaluator, AnyScratch, EvaluatorError};
 pub use packets::{Packets, PacketsScratch};
 pub use reference::Reference;

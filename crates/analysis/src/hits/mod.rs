@@ -21,10 +21,14 @@ const MAX_RAYS_PER_TASK: usize = 1 << 11;
 /// The maximum number of ray-leaf pairs per task: a ray can cross every leaf of a large model.
 const MAX_PAIRS_PER_TASK: usize = 1 << 20;
 
-fn rays_per_task(program: &Program) -> usize {
+/// The same for an evaluator that prefers larger batches.
+const MAX_RAYS_PER_LARGE_TASK: usize = 1 << 14;
+
+fn rays_per_task(program: &Program, preferred: Option<NonZeroUsize>) -> usize {
+    let most = preferred.map_or(MAX_RAYS_PER_TASK, |batch| batch.get().min(MAX_RAYS_PER_LARGE_TASK));
     let placements = program.prototypes().first().map_or(1, |group| group.placements);
     let leaves = program.leaves().len().max(placements as usize).max(1);
-    (MAX_PAIRS_PER_TASK / leaves).clamp(1, MAX_RAYS_PER_TASK)
+    (MAX_PAIRS_PER_TASK / leaves).clamp(1, most)
 }
 
 /// The options of a run.
@@ -82,7 +86,11 @@ pub fn trace_rays<E: Evaluator>(
     drive(
         thread_count(options.threads),
         &options.cancel,
-        Tasks { reader: &mut rays, has_failed: false, size: rays_per_task(evaluator.program()) },
+        Tasks {
+            reader: &mut rays,
+            has_failed: false,
+            size: rays_per_task(evaluator.program(), evaluator.preferred_batch()),
+        },
         || evaluator.scratch(),
         |scratch, task| answer(&table, evaluator, &options.query, scratch, task?),
         |answered: Result<Answered, AnalysisError>| {

@@ -1,6 +1,7 @@
 //! `rayweave render`: a picture of a model.
 
 use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, SubjectArguments, debug_hash};
+use crate::device::{Chosen, DeviceArguments};
 use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
@@ -90,6 +91,9 @@ pub struct Render {
     samples: Option<u32>,
 
     #[command(flatten)]
+    device: DeviceArguments,
+
+    #[command(flatten)]
     part: PartArguments,
 }
 
@@ -114,22 +118,25 @@ impl Render {
         if self.part.is_done(part.iter().map(|part| (out.as_path(), part)), global.quiet) {
             return Ok(());
         }
-        let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
+        let chosen = self.on_device(&compiled, global)?;
+        let evaluator = chosen.evaluator.evaluator();
         let bar = terminal::progress_bar(Some(100), Unit::Percent, global.quiet);
         let mut progress = |part: f64| bar.set_position((100.0 * part) as u64);
         let mut run =
             Run { threads: global.threads, cancel: interrupt::token(), progress: Some(&mut progress) };
         let drawn = match self.sheet() {
-            Some(kind) => {
-                self.draw_sheet(kind, (&scene, &compiled, &evaluator), &mut run).map(Drawn::PictureSheet)
-            }
+            Some(kind) => self
+                .draw_sheet(kind, (&scene, &compiled, evaluator), global, &mut run)
+                .map(Drawn::PictureSheet),
             None => self
-                .picture(&scene, &compiled, &evaluator, &mut run)
+                .picture(&scene, &compiled, evaluator, &mut run)
                 .map(Drawn::Picture)
                 .map_err(Failure::from),
         };
         bar.finish_and_clear();
-        let size = match drawn? {
+        let drawn = drawn?;
+        chosen.finish()?;
+        let size = match drawn {
             Drawn::Picture(picture) => {
                 match &part {
                     Some(part) => part.write(&out, &picture.to_png())?,
@@ -145,7 +152,13 @@ impl Render {
         if global.quiet || out == Path::new("-") {
             return Ok(());
         }
-        terminal::print(&format!("{}: {} x {} pixels\n", out.display(), size.width(), size.height()))
+        let (width, height) = (size.width(), size.height());
+        terminal::print(&format!("{}: {width} x {height} pixels\n{}", out.display(), chosen.summary()))
+    }
+
+    /// The evaluator of a model on the chosen device.
+    fn on_device(&self, compiled: &Compiled, global: &GlobalArguments) -> Result<Chosen, Failure> {
+        self.device.choose(self.subject.evaluator.as_deref(), compiled.program.clone(), global.quiet)
     }
 
     /// Rejects arguments with which a picture cannot be drawn again and again.
@@ -178,6 +191,7 @@ impl Render {
         &self,
         kind: SheetKind,
         (scene, compiled, evaluator): (&Scene, &Compiled, &AnyEvaluator),
+        global: &GlobalArguments,
         run: &mut Run<'_>,
     ) -> Result<PictureSheet, Failure> {
         let options = self.options();
@@ -185,9 +199,11 @@ impl Render {
             return Ok(PictureSheet::draw(kind, scene, compiled, evaluator, &options, run)?);
         };
         let whole = Compiled::new(&self.scene(false)?)?;
-        let whole = AnyEvaluator::new(self.subject.evaluator.as_deref(), whole.program)?;
-        let whole = WholeModel { cut: &cut, evaluator: &whole };
-        Ok(PictureSheet::draw_cut(kind, scene, compiled, evaluator, whole, &options, run)?)
+        let chosen = self.on_device(&whole, global)?;
+        let whole = WholeModel { cut: &cut, evaluator: chosen.evaluator.evaluator() };
+        let sheet = PictureSheet::draw_cut(kind, scene, compiled, evaluator, whole, &options, run)?;
+        chosen.finish()?;
+        Ok(sheet)
     }
 
     /// The model to draw, or one of its solids, exploded and, with `is_cut`, cut as requested.

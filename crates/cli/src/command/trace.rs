@@ -1,6 +1,7 @@
 //! `rayweave trace`: a table of the crossings of a file of rays.
 
 use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, SubjectArguments, time};
+use crate::device::DeviceArguments;
 use crate::failure::Failure;
 use crate::interrupt::{self, Interruptible};
 use crate::terminal::{self, Unit};
@@ -10,7 +11,7 @@ use rayweave::model::Limit;
 use rayweave::model::drive::Cancel;
 use rayweave::scene::Scene;
 use rayweave::table::{ContentHash, Part, RayReader, TableError, TableWriter};
-use rayweave::{AnyEvaluator, Compiled, Query, Window};
+use rayweave::{Compiled, Query, Window};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -53,6 +54,9 @@ pub struct Trace {
     occurrence: bool,
 
     #[command(flatten)]
+    device: DeviceArguments,
+
+    #[command(flatten)]
     part: PartArguments,
 }
 
@@ -68,7 +72,8 @@ impl Trace {
             return Ok(());
         }
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
-        let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
+        let (evaluator, program) = (self.subject.evaluator.as_deref(), compiled.program.clone());
+        let chosen = self.device.choose(evaluator, program, global.quiet)?;
         let cancel = interrupt::token();
         let rays = open(&self.rays, &cancel).map_err(|error| input_failure(error, &cancel))?;
         let options = TraceOptions {
@@ -79,10 +84,16 @@ impl Trace {
             part,
         };
         let bar = terminal::progress_bar(rays.progress().total, Unit::Bytes, global.quiet);
-        let traced = trace_rays(&compiled, &evaluator, rays, &self.out, &options, |progress| {
-            bar.set_position(progress.done)
+        let evaluator = chosen.evaluator.evaluator();
+        let traced = trace_rays(&compiled, evaluator, rays, &self.out, &options, |progress| {
+            bar.set_position(progress.done);
+            if chosen.evaluator.finish().is_err() {
+                // the table does not appear
+                cancel.cancel();
+            }
         });
         bar.finish_and_clear();
+        chosen.finish()?;
         let summary = match traced {
             Err(_) if cancel.is_cancelled() => return Err(Failure::Cancelled),
             traced => traced?,
@@ -92,7 +103,7 @@ impl Trace {
         }
         let (rays, crossings) = (summary.rays, summary.crossings);
         let out = self.out.display();
-        terminal::print(&format!("{out}: {crossings} crossings of {rays} rays\n"))
+        terminal::print(&format!("{out}: {crossings} crossings of {rays} rays\n{}", chosen.summary()))
     }
 
     /// The part to trace, if a range is given.

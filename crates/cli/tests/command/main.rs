@@ -3,6 +3,7 @@
 mod bench;
 mod check;
 mod convert;
+mod device;
 mod diff;
 mod export;
 mod formats;

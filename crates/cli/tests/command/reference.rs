@@ -27,7 +27,10 @@ fn commands(help: &str) -> Vec<&str> {
 }
 
 #[test]
-#[cfg_attr(feature = "bench", ignore = "the page describes the command without additional features")]
+#[cfg_attr(
+    any(feature = "bench", feature = "gpu"),
+    ignore = "the page describes the command without additional features"
+)]
 fn the_page_of_the_command_is_that_of_the_help() {
     let bench = Bench::new();
     let help = bench.says(&["--help"]);

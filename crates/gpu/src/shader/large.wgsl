@@ -72,7 +72,8 @@ fn find(r: Ray, start: vec2f) -> Found {
     let inverse = vec3f(reciprocal(r.d.x), reciprocal(r.d.y), reciprocal(r.d.z));
     var began = NONE;
     for (var step = 0u; step < STEPS; step++) {
-        var best = Change(true, 0u, 0u, 0u, BIG, BIG, NONE, 0u);
+        // for the region at the start, only boxes around it count
+        var best = Change(true, 0u, 0u, 0u, BIG, select(BIG, from_.y, ONLY_START), NONE, 0u);
         var item = NONE;
         // lower bound of the times of all other events
         var other = BIG;

@@ -5,8 +5,32 @@ use crate::layout::{Kind, Layout};
 /// Threads of a workgroup.
 pub(crate) const WORKGROUP: u32 = 64;
 
-/// The source of the shader for tables: for first crossings, or for up to `most` crossings of each ray.
-pub(crate) fn source(layout: &Layout, most: Option<usize>) -> String {
+/// What the shader computes of each ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Entry {
+    /// The first crossing, in one row.
+    Nearest,
+    /// The region at the start of the window and the first crossing.
+    First,
+    /// The region at the start of the window and up to a number of crossings.
+    All(usize),
+    /// The region at the start of the window.
+    Start,
+}
+
+impl Entry {
+    /// Rows of an answer.
+    pub fn rows(self) -> usize {
+        match self {
+            Entry::Nearest | Entry::Start => 1,
+            Entry::First => 2,
+            Entry::All(most) => 1 + most,
+        }
+    }
+}
+
+/// The source of the shader for tables.
+pub(crate) fn source(layout: &Layout, entry: Entry) -> String {
     let kinds = [
         (Kind::Sphere, "sphere"),
         (Kind::Cylinder, "cylinder"),
@@ -20,7 +44,12 @@ pub(crate) fn source(layout: &Layout, most: Option<usize>) -> String {
         .collect();
     let placed = |used: bool, text: &str| if used { text.to_owned() } else { String::new() };
     let find = if layout.stack > 0 { include_str!("large.wgsl") } else { include_str!("small.wgsl") };
-    let main = if most.is_some() { include_str!("all.wgsl") } else { include_str!("nearest.wgsl") };
+    let main = match entry {
+        Entry::Nearest => include_str!("nearest.wgsl"),
+        Entry::First => include_str!("first.wgsl"),
+        Entry::All(_) => include_str!("all.wgsl"),
+        Entry::Start => include_str!("start.wgsl"),
+    };
     let parts = [include_str!("surfaces.wgsl"), include_str!("walk.wgsl"), find, main];
     let replacements = [
         ("@KINDS@\n", cases),
@@ -44,7 +73,8 @@ pub(crate) fn source(layout: &Layout, most: Option<usize>) -> String {
         ),
         ("@ATOMS@", format!("{}u", layout.atoms)),
         ("@STACK@", format!("{}", layout.stack.max(1))),
-        ("@MOST@", format!("{}u", most.unwrap_or(0))),
+        ("@MOST@", format!("{}u", entry.rows() - 1)),
+        ("@ONLY_START@", (entry == Entry::Start).to_string()),
         ("@WORKGROUP@", WORKGROUP.to_string()),
         ("@ROOM@", format!("{:?}", crate::twin::Bounds::default().room)),
         ("@STEP@", format!("{:?}", crate::twin::Bounds::default().step)),

@@ -63,6 +63,9 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
         return Change(false, 0u, 0u, 0u, from_.x, BIG, HIDDEN, 0u);
     }
     let start = owner(group, outputs, bits);
+    if ONLY_START {
+        return Change(true, start, start, start, BIG, BIG, NONE, 0u);
+    }
     var region = start;
     for (var step = 0u; step < 2u * ATOMS + 1u; step++) {
         // the earliest event

@@ -22,6 +22,9 @@ fn walk(atom: u32, r: Ray, from_: vec2f) -> Change {
         }
     }
     let start = u32(inside);
+    if ONLY_START && certain {
+        return Change(true, start, start, start, BIG, BIG, NONE, 0u);
+    }
     let facet = select(e.f0, e.f1, e.f0 == NONE);
     let t = select(e.t.xy, e.t.zw, e.f0 == NONE);
     if !certain || (facet != NONE && facet >= HIDDEN) || (e.f0 != NONE && e.f1 != NONE && e.t.z <= e.t.y) {

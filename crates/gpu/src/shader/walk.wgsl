@@ -27,6 +27,8 @@ struct Params {
 const EITHER: u32 = 0xfffffffeu;
 const HIDDEN: u32 = 0xfffffffdu;
 const ATOMS: u32 = @ATOMS@;
+// True if only the regions at the starts of the windows are computed.
+const ONLY_START: bool = @ONLY_START@;
 
 // The events of an atom: its side before them, and up to two intervals with the facet crossed in each.
 struct Events {

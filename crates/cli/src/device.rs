@@ -1,0 +1,68 @@
+//! The device of a sub-command: the CPU or a graphics card.
+
+use crate::failure::Failure;
+use crate::terminal;
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use rayweave::device::{Device, DeviceEvaluator, DeviceOptions};
+use rayweave::model::Program;
+use std::sync::{Arc, Once};
+
+/// The device that answers ray queries.
+#[derive(Args)]
+pub struct DeviceArguments {
+    /// Device: cpu, gpu (a graphics card; in programs built with the feature `gpu`) or auto (a graphics card if there is one that
+    /// can hold the model); all return the same answers, bit for bit
+    #[arg(long, value_name = "NAME", default_value = Device::NAMES[0], value_parser = PossibleValuesParser::new(Device::NAMES))]
+    device: String,
+
+    /// Number of the graphics card, as listed by `rayweave devices` [default: the best]
+    #[arg(long, value_name = "K")]
+    adapter: Option<usize>,
+}
+
+/// An evaluator on the chosen device.
+pub struct Chosen {
+    pub evaluator: DeviceEvaluator,
+    quiet: bool,
+}
+
+impl DeviceArguments {
+    /// Compiles a program for the device; `evaluator` is the name of an evaluator of the CPU. If `auto` chooses the CPU, a note
+    /// says so once.
+    pub fn choose(
+        &self,
+        evaluator: Option<&str>,
+        program: Arc<Program>,
+        quiet: bool,
+    ) -> Result<Chosen, Failure> {
+        let options = DeviceOptions { device: self.device.parse()?, adapter: self.adapter };
+        if options.device == Device::Cpu && self.adapter.is_some() {
+            let text = "--adapter selects a graphics card, and the device is `cpu`: add --device gpu.";
+            return Err(Failure::Usage(text.to_owned()));
+        }
+        let evaluator = DeviceEvaluator::new(options, evaluator, program)?;
+        note(evaluator.notice(), quiet);
+        Ok(Chosen { evaluator, quiet })
+    }
+}
+
+impl Chosen {
+    /// Checks after the queries that the device has answered them, and fails with `--device gpu` if it has not.
+    pub fn finish(&self) -> Result<(), Failure> {
+        note(self.evaluator.finish()?.as_deref(), self.quiet);
+        Ok(())
+    }
+
+    /// The line of a summary with the share of the card; empty on the CPU.
+    pub fn summary(&self) -> String {
+        self.evaluator.report().map_or(String::new(), |report| format!("{report}\n"))
+    }
+}
+
+fn note(reason: Option<&str>, quiet: bool) {
+    static SAID: Once = Once::new();
+    if let Some(reason) = reason.filter(|_| !quiet) {
+        SAID.call_once(|| terminal::note(&format!("the CPU is used: {reason}")));
+    }
+}
