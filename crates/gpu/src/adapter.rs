@@ -1,9 +1,11 @@
 //! The graphics cards of this machine.
 
+use crate::double::rounds_like_the_cpu;
 use crate::error::GpuError;
+use crate::shader;
 use std::future::Future;
 use std::pin::pin;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::task::{Context, Poll, Waker};
 
 /// The entry point: lists the adapters of this machine.
@@ -17,7 +19,12 @@ pub struct Gpu {
 pub struct Adapter {
     pub(crate) adapter: wgpu::Adapter,
     info: wgpu::AdapterInfo,
+    /// The result of the trial of its arithmetic in double precision.
+    trial: Arc<OnceLock<bool>>,
 }
+
+/// The features for double precision; integers of 64 bits hold the bits of its numbers.
+const DOUBLE: wgpu::Features = wgpu::Features::SHADER_F64.union(wgpu::Features::SHADER_INT64);
 
 /// The class of an adapter, best first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -46,7 +53,7 @@ impl Gpu {
             .into_iter()
             .map(|adapter| {
                 let info = adapter.get_info();
-                Adapter { adapter, info }
+                Adapter { adapter, info, trial: Arc::default() }
             })
             .collect();
         adapters.sort_by_key(Adapter::kind);
@@ -106,9 +113,22 @@ impl Adapter {
         limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
     }
 
-    /// True if kernels can compute in double precision. They do not yet.
+    /// True if kernels can compute in double precision: then the device computes the times of planes, spheres and cylinders, if a
+    /// trial shows that it rounds like the CPU.
     pub fn has_f64(&self) -> bool {
-        self.adapter.features().contains(wgpu::Features::SHADER_F64)
+        self.adapter.features().contains(DOUBLE)
+    }
+
+    /// True if an open device of this adapter rounds operations in double precision as the CPU does: the result of the first trial.
+    pub(crate) fn rounds_like_the_cpu(&self, device: &Device) -> Result<bool, GpuError> {
+        if !device.has_f64 {
+            return Ok(false);
+        }
+        if let Some(&known) = self.trial.get() {
+            return Ok(known);
+        }
+        let result = rounds_like_the_cpu(device, shader::ARITHMETIC)?;
+        Ok(*self.trial.get_or_init(|| result))
     }
 
     /// Opens the device.
@@ -117,6 +137,7 @@ impl Adapter {
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("rayweave"),
             required_limits: self.adapter.limits(),
+            required_features: if self.has_f64() { DOUBLE } else { wgpu::Features::empty() },
             ..wgpu::DeviceDescriptor::default()
         };
         let (device, queue) = block_on(self.adapter.request_device(&descriptor)).map_err(|error| {
@@ -126,7 +147,8 @@ impl Adapter {
         let (lost, failed) = (problem.clone(), problem.clone());
         device.set_device_lost_callback(move |_, reason| note(&lost, &reason));
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note(&failed, &error.to_string())));
-        Ok(Device { device, queue, adapter, problem, limit: self.largest_buffer() })
+        let has_f64 = self.has_f64();
+        Ok(Device { device, queue, adapter, problem, limit: self.largest_buffer(), has_f64 })
     }
 }
 
@@ -138,6 +160,8 @@ pub(crate) struct Device {
     pub adapter: String,
     /// The largest buffer, in bytes.
     pub limit: u64,
+    /// True if kernels can compute in double precision.
+    pub has_f64: bool,
     problem: Arc<Mutex<Option<String>>>,
 }
 
@@ -168,6 +192,49 @@ impl Device {
             reason: one_line(&error.to_string()),
         })?;
         self.check()
+    }
+
+    /// An error of the device.
+    pub fn lost(&self, error: &impl std::fmt::Display) -> GpuError {
+        GpuError::Lost { adapter: self.adapter.clone(), reason: one_line(&error.to_string()) }
+    }
+
+    /// Compiles a kernel.
+    pub fn pipeline(&self, what: &'static str, source: String) -> Result<wgpu::ComputePipeline, GpuError> {
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(what),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        self.check()?;
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(what),
+            layout: None,
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        self.check()?;
+        Ok(pipeline)
+    }
+
+    /// Binds buffers to the numbers by which a kernel knows them.
+    pub fn group(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        buffers: &[(u32, &wgpu::Buffer)],
+    ) -> Result<wgpu::BindGroup, GpuError> {
+        let entries: Vec<_> = buffers
+            .iter()
+            .map(|&(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        });
+        self.check()?;
+        Ok(group)
     }
 
     /// A buffer of the device.

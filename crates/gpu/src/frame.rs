@@ -8,7 +8,10 @@ pub(crate) const NEAR: f64 = 4.0;
 
 /// The greatest tolerance of the CPU, in units of the size of the model, that the margins of boxes and balls leave room for. It
 /// grows with the distance of a ray's origin and reaches this at some 1e7 sizes.
-const MOST_TOLERANCE: f64 = 1e-6;
+pub(crate) const MOST_TOLERANCE: f64 = 1e-6;
+
+/// Four times the tolerance of the CPU's kernels, `64 u` per length.
+pub(crate) const TOLERANCE: f64 = 4.0 * 64.0 * UNIT_ROUNDOFF;
 
 /// A time before or after everything, as in the shader.
 const FARTHEST: f64 = 1e30;
@@ -122,7 +125,7 @@ impl Sender {
         let at = (offset + shift * unit) * per_scale;
         // sums of components are upper bounds of lengths; |offset| <= |origin| + |centre|
         let lengths = 3.0 * (l1(ray.origin) + l1(centre)) + 16.0 * scale + self.magnitude;
-        let tolerance = 4.0 * 64.0 * UNIT_ROUNDOFF * lengths * per_scale;
+        let tolerance = TOLERANCE * lengths * per_scale;
         // NaN compares false
         if !(at.abs().max_element() <= NEAR && tolerance < MOST_TOLERANCE) {
             let misses = self.bounded && tolerance < MOST_TOLERANCE && at.is_finite();

@@ -1,6 +1,7 @@
 //! The compiled kernel of a program with its tables, and batches of rays that pass through it.
 
 use crate::adapter::Device;
+use crate::double::Doubles;
 use crate::error::GpuError;
 use crate::frame::DeviceRay;
 use crate::layout::Layout;
@@ -8,8 +9,12 @@ use crate::shader::{self, Entry};
 use std::sync::{Arc, mpsc};
 
 /// Bytes of a ray on its way to the device, and of its answer.
-pub(crate) const RAY_BYTES: usize = 32;
-pub(crate) const ANSWER_BYTES: usize = 16;
+const RAY_BYTES: usize = 32;
+
+const ANSWER_BYTES: usize = 16;
+
+/// Bytes of the parameters.
+const PARAMS_BYTES: u64 = 64;
 
 /// Workgroups of a row of a dispatch; the limit of every implementation is 65535.
 const ROW: u32 = 32768;
@@ -23,6 +28,8 @@ pub(crate) struct Tables {
     starts: [u32; 8],
     children: u32,
     bounded: bool,
+    /// The tables for times in double precision, with their buffers.
+    doubles: Option<(Arc<Doubles>, [wgpu::Buffer; 2])>,
 }
 
 /// A kernel with the tables of its program.
@@ -30,9 +37,10 @@ pub(crate) struct Tables {
 pub(crate) struct Kernel {
     pub tables: Tables,
     pipeline: wgpu::ComputePipeline,
-    layout: wgpu::BindGroupLayout,
     /// Rows of an answer.
     pub rows: usize,
+    /// True if the kernel takes rays in double precision and returns times in it.
+    pub completes: bool,
 }
 
 /// Buffers for batches of up to a number of rays.
@@ -42,12 +50,14 @@ pub(crate) struct Slot {
     up: wgpu::Buffer,
     rays: wgpu::Buffer,
     answers: wgpu::Buffer,
+    times: Option<wgpu::Buffer>,
     back: wgpu::Buffer,
     params: wgpu::Buffer,
     group: wgpu::BindGroup,
     /// The number of rays that fit, and the rows of an answer.
     most: usize,
     rows: usize,
+    completes: bool,
     /// The number of rays in the parameters.
     count: Option<usize>,
 }
@@ -57,7 +67,12 @@ pub(crate) type Answer = [u32; 4];
 
 impl Tables {
     /// Uploads the tables of a program.
-    pub fn new(device: Device, layout: &Layout, bounded: bool) -> Result<Tables, GpuError> {
+    pub fn new(
+        device: Device,
+        layout: &Layout,
+        bounded: bool,
+        doubles: Option<Doubles>,
+    ) -> Result<Tables, GpuError> {
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let upload = |what: &'static str, bytes: Vec<u8>| -> Result<wgpu::Buffer, GpuError> {
             let buffer = device.buffer(what, bytes.len() as u64, storage)?;
@@ -68,10 +83,19 @@ impl Tables {
         let data = upload("surfaces and boxes", numbers)?;
         let words = layout.tables.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
         let tables = upload("leaves and gates", words)?;
+        let doubles = match doubles {
+            Some(doubles) => {
+                let exact = doubles.exact.iter().flat_map(|x| x.to_le_bytes()).collect();
+                let lookup = doubles.lookup.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+                let buffers = [upload("exact surfaces", exact)?, upload("faces", lookup)?];
+                Some((Arc::new(doubles), buffers))
+            }
+            None => None,
+        };
         device.wait()?;
         let s = layout.starts;
         let starts = [s.facets, s.atoms, s.gates, s.outputs, s.groups, s.items, s.media, s.nodes];
-        Ok(Tables { device: Arc::new(device), data, tables, starts, children: s.children, bounded })
+        Ok(Tables { device: Arc::new(device), data, tables, starts, children: s.children, bounded, doubles })
     }
 }
 
@@ -79,23 +103,9 @@ impl Kernel {
     /// The kernel with an entry point.
     pub fn new(tables: Tables, layout: &Layout, entry: Entry) -> Result<Kernel, GpuError> {
         let device = &tables.device;
-        let source = shader::source(layout, entry);
-        let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("crossings"),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
-        device.check()?;
-        let pipeline = device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("crossings"),
-            layout: None,
-            module: &module,
-            entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
-        device.check()?;
-        let bind = pipeline.get_bind_group_layout(0);
-        Ok(Kernel { tables, pipeline, layout: bind, rows: entry.rows() })
+        let doubles = tables.doubles.as_ref().map(|(doubles, _)| &**doubles);
+        let pipeline = device.pipeline("crossings", shader::source(layout, entry, doubles))?;
+        Ok(Kernel { tables, pipeline, rows: entry.rows(), completes: entry == Entry::Completed })
     }
 
     /// The device.
@@ -103,40 +113,45 @@ impl Kernel {
         &self.tables.device
     }
 
+    /// Bytes of a ray on its way to the device.
+    pub fn ray_bytes(&self) -> usize {
+        if self.completes { 48 } else { RAY_BYTES }
+    }
+
     /// Bytes of an answer.
     pub fn answer_bytes(&self) -> usize {
-        ANSWER_BYTES * self.rows
+        ANSWER_BYTES * self.rows + if self.completes { 8 } else { 0 }
     }
 
     /// Buffers for batches of up to `most` rays.
     pub fn slot(&self, most: usize) -> Result<Slot, GpuError> {
         use wgpu::BufferUsages as Usage;
         let device = self.device();
-        let (ray, answer) = ((RAY_BYTES * most) as u64, (self.answer_bytes() * most) as u64);
+        let (ray, rows) = ((self.ray_bytes() * most) as u64, (ANSWER_BYTES * self.rows * most) as u64);
         let up = device.mapped_buffer("rays", ray)?;
         let rays = device.buffer("rays", ray, Usage::STORAGE | Usage::COPY_DST)?;
-        let answers = device.buffer("answers", answer, Usage::STORAGE | Usage::COPY_SRC)?;
-        let back = device.buffer("answers", answer, Usage::MAP_READ | Usage::COPY_DST)?;
-        let params = device.buffer("parameters", 48, Usage::UNIFORM | Usage::COPY_DST)?;
-        let buffers = [&self.tables.data, &self.tables.tables, &rays, &answers, &params];
-        let entries: Vec<_> = (0u32..)
-            .zip(buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        let group = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("nearest"),
-            layout: &self.layout,
-            entries: &entries,
-        });
-        device.check()?;
-        Ok(Slot { up, rays, answers, back, params, group, most, rows: self.rows, count: None })
+        let answers = device.buffer("answers", rows, Usage::STORAGE | Usage::COPY_SRC)?;
+        let back = (self.answer_bytes() * most) as u64;
+        let back = device.buffer("answers", back, Usage::MAP_READ | Usage::COPY_DST)?;
+        let params = device.buffer("parameters", PARAMS_BYTES, Usage::UNIFORM | Usage::COPY_DST)?;
+        let Tables { data, tables, doubles, .. } = &self.tables;
+        let mut buffers = vec![(0, data), (1, tables), (2, &rays), (3, &answers), (4, &params)];
+        let mut times = None;
+        if let (true, Some((_, [exact, lookup]))) = (self.completes, doubles) {
+            let column =
+                times.insert(device.buffer("times", 8 * most as u64, Usage::STORAGE | Usage::COPY_SRC)?);
+            buffers.extend([(5, exact), (6, lookup), (7, &*column)]);
+        }
+        let group = device.group(&self.pipeline, &buffers)?;
+        let (rows, completes) = (self.rows, self.completes);
+        Ok(Slot { up, rays, answers, times, back, params, group, most, rows, completes, count: None })
     }
 
     /// Writes rays to the buffer from which [`Kernel::submit`] uploads them.
     pub fn fill(&self, slot: &mut Slot, rays: &[u8]) -> Result<(), GpuError> {
-        let count = rays.len() / RAY_BYTES;
+        let count = rays.len() / self.ray_bytes();
         let mut view =
-            slot.up.get_mapped_range_mut(..rays.len() as u64).map_err(|error| self.lost(&error))?;
+            slot.up.get_mapped_range_mut(..rays.len() as u64).map_err(|error| self.device().lost(&error))?;
         view.copy_from_slice(rays);
         drop(view);
         slot.up.unmap();
@@ -144,6 +159,8 @@ impl Kernel {
             let mut params = self.tables.starts.to_vec();
             let row = ROW * shader::WORKGROUP;
             params.extend([count as u32, row, u32::from(self.tables.bounded), self.tables.children]);
+            let items = self.tables.doubles.as_ref().and_then(|(doubles, _)| doubles.items);
+            params.extend([0, u32::from(items.is_some()), items.unwrap_or(0), 0]);
             let params: Vec<u8> = params.into_iter().flat_map(u32::to_le_bytes).collect();
             self.device().queue.write_buffer(&slot.params, 0, &params);
         }
@@ -153,7 +170,8 @@ impl Kernel {
     /// Submits the upload of the rays of a filled slot, the kernel, `repeats` times, and the download of the answers.
     pub fn submit(&self, slot: &Slot, repeats: usize) -> wgpu::SubmissionIndex {
         let count = slot.count.unwrap_or(0);
-        let (ray_bytes, answer_bytes) = ((RAY_BYTES * count) as u64, (self.answer_bytes() * count) as u64);
+        let (ray_bytes, rows) =
+            ((self.ray_bytes() * count) as u64, (ANSWER_BYTES * self.rows * count) as u64);
         let mut encoder =
             self.device().device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(&slot.up, 0, &slot.rays, 0, ray_bytes);
@@ -164,47 +182,60 @@ impl Kernel {
             let groups = (count as u32).div_ceil(shader::WORKGROUP);
             pass.dispatch_workgroups(groups.min(ROW), groups.div_ceil(ROW), 1);
         }
-        encoder.copy_buffer_to_buffer(&slot.answers, 0, &slot.back, 0, answer_bytes);
+        encoder.copy_buffer_to_buffer(&slot.answers, 0, &slot.back, 0, rows);
+        if let Some(times) = &slot.times {
+            encoder.copy_buffer_to_buffer(times, 0, &slot.back, rows, 8 * count as u64);
+        }
         self.device().queue.submit([encoder.finish()])
     }
 
-    /// Uploads rays, traces them and returns the answers. After an error the slot must not be used again.
-    pub fn trace(&self, slot: &mut Slot, rays: &[u8], answers: &mut Vec<Answer>) -> Result<(), GpuError> {
+    /// Uploads rays, traces them and returns the rows of their answers, and the times if the kernel completes answers. After an
+    /// error the slot must not be used again.
+    pub fn trace(
+        &self,
+        slot: &mut Slot,
+        rays: &[u8],
+        answers: &mut Vec<Answer>,
+        times: &mut Vec<f64>,
+    ) -> Result<(), GpuError> {
         self.fill(slot, rays)?;
         let submitted = self.submit(slot, 1);
-        let bytes = (self.answer_bytes() * (rays.len() / RAY_BYTES)) as u64;
+        let count = rays.len() / self.ray_bytes();
+        let bytes = (self.answer_bytes() * count) as u64;
         let (send, done) = mpsc::channel();
         let filled = send.clone();
         // the receiver is gone only after an error
         slot.back.map_async(wgpu::MapMode::Read, ..bytes, move |result| _ = send.send(result));
         slot.up.map_async(wgpu::MapMode::Write, .., move |result| _ = filled.send(result));
-        self.device().wait_for(submitted)?;
+        let device = self.device();
+        device.wait_for(submitted)?;
         for _ in 0..2 {
             // another thread that waits for the device may make the calls
-            done.recv().map_err(|error| self.lost(&error))?.map_err(|error| self.lost(&error))?;
+            done.recv().map_err(|error| device.lost(&error))?.map_err(|error| device.lost(&error))?;
         }
-        let view = slot.back.get_mapped_range(..bytes).map_err(|error| self.lost(&error))?;
+        let view = slot.back.get_mapped_range(..bytes).map_err(|error| device.lost(&error))?;
+        let (rows, columns) = view.split_at(ANSWER_BYTES * self.rows * count);
         let word = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
         answers.clear();
         answers.extend(
-            view.chunks_exact(ANSWER_BYTES).map(|bytes| {
+            rows.chunks_exact(ANSWER_BYTES).map(|bytes| {
                 [word(&bytes[..4]), word(&bytes[4..8]), word(&bytes[8..12]), word(&bytes[12..])]
             }),
+        );
+        times.clear();
+        times.extend(
+            columns.chunks_exact(8).map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap_or_default())),
         );
         drop(view);
         slot.back.unmap();
         Ok(())
-    }
-
-    fn lost(&self, error: &impl std::fmt::Display) -> GpuError {
-        GpuError::Lost { adapter: self.device().adapter.clone(), reason: error.to_string() }
     }
 }
 
 impl Slot {
     /// True if the slot has buffers for a number of rays of a kernel.
     pub fn holds(&self, rays: usize, kernel: &Kernel) -> bool {
-        rays <= self.most && kernel.rows == self.rows
+        rays <= self.most && (kernel.rows, kernel.completes) == (self.rows, self.completes)
     }
 }
 

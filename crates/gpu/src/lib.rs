@@ -9,6 +9,7 @@
 //! The page `docs/concepts/gpu.md` derives the bounds.
 
 mod adapter;
+mod double;
 mod error;
 mod evaluator;
 mod flat;

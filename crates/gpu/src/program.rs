@@ -1,10 +1,11 @@
 //! A program on a GPU: nearest crossings with the answers of the CPU.
 
 use crate::adapter::Adapter;
+use crate::double::Doubles;
 use crate::error::{GpuError, Unsupported};
 use crate::flat::{Flat, MOST_NODES};
 use crate::frame::{Clock, Frame, Route, Sender};
-use crate::kernel::{Answer, Kernel, RAY_BYTES, Slot, Tables};
+use crate::kernel::{Answer, Kernel, Slot, Tables};
 use crate::layout::{Layout, magnitude_of};
 use crate::shader::{self, Entry};
 use crate::terms::Top;
@@ -36,6 +37,15 @@ const THREADS_PER_CORE: NonZeroUsize = NonZeroUsize::new(2).unwrap();
 const UNCERTAIN: u32 = 1 << 31;
 const MISS: u32 = 1 << 30;
 const SHARED: u32 = 1 << 29;
+const COMPLETED: u32 = 1 << 27;
+const FACET: u32 = COMPLETED - 1;
+
+/// The second word of an answer without a crossing from a kernel that takes rays in double precision.
+const PASSES: u32 = 1;
+const DISTANT: u32 = 2;
+
+/// The CPU computes one of so many times again.
+const CHECKED: usize = 256;
 
 /// A compiled model on a device.
 ///
@@ -49,6 +59,8 @@ pub struct GpuProgram {
     kernel: Kernel,
     sender: Sender,
     layout: Layout,
+    /// The number of the face, and its placement relative to that of the item, by facet.
+    labels: Vec<(i32, u32)>,
     /// Kernels with an answer of several rows per ray, or none for crossings, compiled on first use.
     others: Others,
     /// The memory of earlier queries: new memory costs more time than the conversion of rays.
@@ -67,6 +79,8 @@ pub struct GpuReport {
     /// Rays whose prediction the kernel of the named surface contradicts, so that the CPU traced them. A number above 0 is an
     /// error in the bounds or the driver.
     pub contradicted: u64,
+    /// Crossings whose time the device computed, in double precision.
+    pub timed: u64,
     /// Bytes moved to the device and back.
     pub bytes: u64,
     /// The time of the threads that converted rays for the device, summed over threads.
@@ -84,6 +98,7 @@ impl GpuReport {
         self.uncertain += other.uncertain;
         self.distant += other.distant;
         self.contradicted += other.contradicted;
+        self.timed += other.timed;
         self.bytes += other.bytes;
         self.prepare += other.prepare;
         self.device += other.device;
@@ -114,6 +129,7 @@ struct Worker {
     bytes: Vec<u8>,
     routes: Vec<Route>,
     answers: Vec<Answer>,
+    times: Vec<f64>,
     scratch: Option<<Packets as Evaluator>::Scratch>,
     again: Vec<usize>,
     batch: RayBatch,
@@ -141,11 +157,16 @@ impl GpuProgram {
     /// memory, [`GpuError::Open`] and [`GpuError::Lost`] for problems of the device.
     pub fn new(adapter: &Adapter, program: Arc<Program>) -> Result<GpuProgram, GpuError> {
         let (layout, sender) = compile(&program)?;
-        let tables = Tables::new(adapter.open()?, &layout, sender.bounded)?;
-        let kernel = Kernel::new(tables, &layout, Entry::Nearest)?;
+        let device = adapter.open()?;
+        let doubles = adapter.rounds_like_the_cpu(&device)?.then(|| Doubles::new(&program, &layout, &sender));
+        let entry = if doubles.is_some() { Entry::Completed } else { Entry::Nearest };
+        let tables = Tables::new(device, &layout, sender.bounded, doubles)?;
+        let kernel = Kernel::new(tables, &layout, entry)?;
         let cpu = Packets::new(program.clone());
         let (others, idle) = (Others::default(), Mutex::default());
-        Ok(GpuProgram { program, cpu, kernel, sender, layout, others, idle })
+        let label = |face: &Face| (program.face_number(face.leaf, face.facet) as i32, face.placement.0);
+        let labels = layout.faces.iter().map(label).collect();
+        Ok(GpuProgram { program, cpu, kernel, sender, layout, labels, others, idle })
     }
 
     /// The program.
@@ -178,7 +199,7 @@ impl GpuProgram {
 
     /// The number of rays of a batch.
     fn batch(&self, rays: usize, kernel: &Kernel) -> usize {
-        let fits = kernel.device().limit / kernel.answer_bytes().max(RAY_BYTES) as u64;
+        let fits = kernel.device().limit / kernel.answer_bytes().max(kernel.ray_bytes()) as u64;
         let most = usize::try_from(fits).unwrap_or(usize::MAX).min(MOST_RAYS / kernel.rows);
         rays.div_ceil(threads().get())
             .max(FEWEST_RAYS)
@@ -194,10 +215,10 @@ impl GpuProgram {
     /// [`GpuError::Ray`] and [`GpuError::Lost`], like [`GpuProgram::nearest`].
     pub fn kernel_seconds(&self, rays: Rays<'_>, repeats: usize) -> Result<(f64, usize), GpuError> {
         self.program.check_rays(rays)?;
-        let fits = self.kernel.device().limit / RAY_BYTES as u64;
+        let fits = self.kernel.device().limit / self.kernel.ray_bytes() as u64;
         let count = rays.len().min(1 << 20).min(usize::try_from(fits).unwrap_or(usize::MAX));
         let (mut routes, mut bytes) = (Vec::new(), Vec::new());
-        prepare(&self.sender, &rays.slice(0..count), &mut routes, &mut bytes);
+        convert(&self.kernel, &self.sender, &rays.slice(0..count), &mut routes, &mut bytes);
         let mut slot = self.kernel.slot(count)?;
         self.kernel.fill(&mut slot, &bytes)?;
         let seconds = |repeats: usize| -> Result<f64, GpuError> {
@@ -256,18 +277,18 @@ impl GpuProgram {
         self.program
             .check_rays(*rays)
             .map_err(|bad| BadRay { ray: first + bad.ray, problem: bad.problem })?;
-        prepare(sender, rays, &mut worker.routes, &mut worker.bytes);
+        convert(kernel, sender, rays, &mut worker.routes, &mut worker.bytes);
         let prepared = clock.elapsed();
         let mut slot = match worker.slot.take() {
             Some(slot) if slot.holds(rays.len(), kernel) => slot,
             _ => kernel.slot(rays.len())?,
         };
-        kernel.trace(&mut slot, &worker.bytes, &mut worker.answers)?;
+        kernel.trace(&mut slot, &worker.bytes, &mut worker.answers, &mut worker.times)?;
         worker.slot = Some(slot);
         let count = rays.len() as u64;
         Ok(GpuReport {
             rays: count,
-            bytes: count * (RAY_BYTES + kernel.answer_bytes()) as u64,
+            bytes: count * (kernel.ray_bytes() + kernel.answer_bytes()) as u64,
             prepare: prepared,
             device: clock.elapsed() - prepared,
             ..GpuReport::default()
@@ -285,6 +306,11 @@ impl GpuProgram {
         let mut report = self.answers((&self.kernel, &self.sender), &rays, part.first, worker)?;
         let clock = Instant::now();
         worker.again.clear();
+        if self.kernel.completes {
+            self.take_completed(&rays, part, worker, &mut report);
+            report.complete = clock.elapsed();
+            return Ok(report);
+        }
         for (k, (route, answer)) in worker.routes.iter().zip(&worker.answers).enumerate() {
             let region = match *route {
                 Route::Passes => Some(0),
@@ -326,9 +352,93 @@ impl GpuProgram {
         Ok(report)
     }
 
+    /// Writes the answers of a kernel that computes times, and those that the CPU completes.
+    ///
+    /// The CPU computes every 256th time again. If one has other bits, it computes all times of the batch, and that answer counts
+    /// as contradicted.
+    fn take_completed(
+        &self,
+        rays: &Rays<'_>,
+        part: &mut Part<'_>,
+        worker: &mut Worker,
+        report: &mut GpuReport,
+    ) {
+        let mut is_trusted = true;
+        let mut k = 0;
+        while let (Some(answer), Some(&t)) = (worker.answers.get(k), worker.times.get(k)) {
+            let is_completed = answer[0] & COMPLETED != 0 && answer[0] < MISS;
+            if is_completed && is_trusted && !k.is_multiple_of(CHECKED) {
+                self.put_completed(rays, part, k, (answer, t));
+                report.timed += 1;
+                k += 1;
+                continue;
+            }
+            if answer[0] & UNCERTAIN != 0 {
+                let count = if answer[1] == DISTANT { &mut report.distant } else { &mut report.uncertain };
+                *count += 1;
+                worker.again.push(k);
+            } else if answer[0] & MISS != 0 {
+                let region = if answer[1] == PASSES {
+                    Some(&0)
+                } else {
+                    self.layout.regions.get((answer[2] & 0xffff) as usize)
+                };
+                match region {
+                    Some(&region) => miss(part, k, region),
+                    None => worker.again.push(k),
+                }
+            } else {
+                let ray = rays.get(k);
+                let polished = match self.sender.send(rays, k).0 {
+                    Route::Device(clock) => self.polished(&ray, answer, clock),
+                    Route::Passes | Route::Cpu => None,
+                };
+                match polished {
+                    Some(crossing) if is_completed && is_trusted && crossing.t.to_bits() != t.to_bits() => {
+                        report.contradicted += 1;
+                        is_trusted = false;
+                        // the other counts start again
+                        (report.uncertain, report.distant, report.timed) = (0, 0, 0);
+                        worker.again.clear();
+                        k = 0;
+                        continue;
+                    }
+                    Some(crossing) => self.put(&ray, part, k, &crossing),
+                    None => {
+                        report.contradicted += 1;
+                        worker.again.push(k);
+                    }
+                }
+            }
+            k += 1;
+        }
+        self.trace(rays, part, worker);
+    }
+
+    /// Writes an answer with the time of the device.
+    fn put_completed(&self, rays: &Rays<'_>, part: &mut Part<'_>, k: usize, (answer, t): (&Answer, f64)) {
+        let facet = (answer[0] & FACET) as usize;
+        let (number, placement) = self.labels[facet];
+        let placement = placement + self.layout.placements[answer[1] as usize];
+        let region = |number: u32| self.layout.regions[number as usize];
+        let (before, after) = (region(answer[2] >> 16), region(answer[2] & 0xffff));
+        part.t[k] = t;
+        part.face[k] = number;
+        part.placement[k] = placement;
+        part.before[k] = before;
+        part.after[k] = after;
+        if let Some(normal) = &mut part.normal {
+            let face = Face { placement: PlacementId(placement), ..self.layout.faces[facet] };
+            let (before, after) = (RegionId(before), RegionId(after));
+            let crossing = Crossing { t, face, left: face, entered: face, before, after };
+            let unit = attributes::normal(&self.program, &rays.get(k), &crossing).to_array();
+            normal.iter_mut().zip(unit).for_each(|(column, x)| column[k] = x);
+        }
+    }
+
     /// The crossing that an answer predicts, with the time of the CPU's kernel; `None` if that has no such root.
     fn polished(&self, ray: &Ray, answer: &Answer, clock: Clock) -> Option<Crossing> {
-        let face = *self.layout.faces.get((answer[0] & !SHARED) as usize)?;
+        let face = *self.layout.faces.get((answer[0] & FACET) as usize)?;
         let placement = PlacementId(face.placement.0 + self.layout.placements.get(answer[1] as usize)?);
         let face = Face { placement, ..face };
         let region = |number: u32| self.layout.regions.get(number as usize).copied().map(RegionId);
@@ -452,7 +562,19 @@ fn is_bounded(program: &Program, frame: &Frame) -> bool {
             && bounds.corners().into_iter().all(|corner| frame.point(corner).length() <= 1.0 + 1e-9)
 }
 
-/// The rays as the kernel reads them.
+/// The rays as a kernel reads them: columns in double precision, or rays in the frame of the model.
+fn convert(kernel: &Kernel, sender: &Sender, rays: &Rays<'_>, routes: &mut Vec<Route>, bytes: &mut Vec<u8>) {
+    if !kernel.completes {
+        return prepare(sender, rays, routes, bytes);
+    }
+    routes.clear();
+    bytes.clear();
+    for column in rays.origins.iter().chain(&rays.directions) {
+        bytes.extend(column.iter().flat_map(|x| x.to_le_bytes()));
+    }
+}
+
+/// The rays in the frame of the model, and where they are traced.
 fn prepare(sender: &Sender, rays: &Rays<'_>, routes: &mut Vec<Route>, bytes: &mut Vec<u8>) {
     routes.clear();
     bytes.clear();

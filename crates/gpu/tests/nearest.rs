@@ -112,7 +112,7 @@ fn random_models_give_the_bits_of_the_cpu() {
 #[test]
 #[ignore = "long"]
 fn long_random_models_give_the_bits_of_the_cpu() {
-    random_models(500, 20_000);
+    random_models(250, 40_000);
 }
 
 fn random_models(count: u64, rays: usize) {

@@ -141,7 +141,7 @@ impl GpuProgram {
     /// The kernel with an entry point, compiled unless it was the last of its kind.
     fn kernel_of(&self, entry: Entry) -> Result<Arc<Kernel>, GpuError> {
         let place = match entry {
-            Entry::First | Entry::Nearest => &self.others.first,
+            Entry::First | Entry::Nearest | Entry::Completed => &self.others.first,
             Entry::All(_) => &self.others.all,
             Entry::Start => &self.others.start,
         };

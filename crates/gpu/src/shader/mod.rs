@@ -1,6 +1,12 @@
 //! The shader of a program: templates, specialised for what the program needs.
 
+use crate::double::Doubles;
+use crate::frame::{MOST_TOLERANCE, NEAR, TOLERANCE};
 use crate::layout::{Kind, Layout};
+use rayweave_math::UNIT_ROUNDOFF;
+
+/// Operations in double precision whose results the compiler of the device cannot change.
+pub(crate) const ARITHMETIC: &str = include_str!("arithmetic.wgsl");
 
 /// Threads of a workgroup.
 pub(crate) const WORKGROUP: u32 = 64;
@@ -10,6 +16,8 @@ pub(crate) const WORKGROUP: u32 = 64;
 pub(crate) enum Entry {
     /// The first crossing, in one row.
     Nearest,
+    /// The first crossing after t = 0, in one row, of rays in double precision, with its time in double precision.
+    Completed,
     /// The region at the start of the window and the first crossing.
     First,
     /// The region at the start of the window and up to a number of crossings.
@@ -22,7 +30,7 @@ impl Entry {
     /// Rows of an answer.
     pub fn rows(self) -> usize {
         match self {
-            Entry::Nearest | Entry::Start => 1,
+            Entry::Nearest | Entry::Completed | Entry::Start => 1,
             Entry::First => 2,
             Entry::All(most) => 1 + most,
         }
@@ -30,7 +38,7 @@ impl Entry {
 }
 
 /// The source of the shader for tables.
-pub(crate) fn source(layout: &Layout, entry: Entry) -> String {
+pub(crate) fn source(layout: &Layout, entry: Entry, doubles: Option<&Doubles>) -> String {
     let kinds = [
         (Kind::Sphere, "sphere"),
         (Kind::Cylinder, "cylinder"),
@@ -46,11 +54,15 @@ pub(crate) fn source(layout: &Layout, entry: Entry) -> String {
     let find = if layout.stack > 0 { include_str!("large.wgsl") } else { include_str!("small.wgsl") };
     let main = match entry {
         Entry::Nearest => include_str!("nearest.wgsl"),
+        Entry::Completed => include_str!("double.wgsl"),
         Entry::First => include_str!("first.wgsl"),
         Entry::All(_) => include_str!("all.wgsl"),
         Entry::Start => include_str!("start.wgsl"),
     };
-    let parts = [include_str!("surfaces.wgsl"), include_str!("walk.wgsl"), find, main];
+    let rays = if entry == Entry::Completed { "" } else { include_str!("rays.wgsl") };
+    let parts = [include_str!("surfaces.wgsl"), include_str!("walk.wgsl"), rays, find, main];
+    let rows = |count: Option<usize>| count.unwrap_or(1).max(1).to_string();
+    let number = |x: f64| format!("{x:?}");
     let replacements = [
         ("@KINDS@\n", cases),
         ("@WALK@", walk(layout)),
@@ -75,6 +87,15 @@ pub(crate) fn source(layout: &Layout, entry: Entry) -> String {
         ("@STACK@", format!("{}", layout.stack.max(1))),
         ("@MOST@", format!("{}u", entry.rows() - 1)),
         ("@ONLY_START@", (entry == Entry::Start).to_string()),
+        ("@ARITHMETIC@", ARITHMETIC.to_owned()),
+        ("@EXACT_ROWS@", rows(doubles.map(|doubles| doubles.exact.len()))),
+        ("@LOOKUP_ROWS@", rows(doubles.map(|doubles| doubles.lookup.len()))),
+        ("@NEAR@", number(NEAR)),
+        ("@NEAR_SQUARE@", number(0.25 * NEAR * NEAR)),
+        ("@TOLERANCE@", number(TOLERANCE)),
+        ("@MOST_TOLERANCE@", number(MOST_TOLERANCE)),
+        ("@DOT_NOISE@", number(8.0 * UNIT_ROUNDOFF)),
+        ("@SLOW_SQUARE@", number(1e-4)),
         ("@WORKGROUP@", WORKGROUP.to_string()),
         ("@ROOM@", format!("{:?}", crate::twin::Bounds::default().room)),
         ("@STEP@", format!("{:?}", crate::twin::Bounds::default().step)),

@@ -3,7 +3,6 @@
 // with constant sizes, checks of indices are comparisons with constants
 @group(0) @binding(0) var<storage, read> data: array<vec4f, @DATA_ROWS@>;
 @group(0) @binding(1) var<storage, read> tables: array<vec4u, @TABLE_ROWS@>;
-@group(0) @binding(2) var<storage, read> rays: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> answers: array<vec4u>;
 @group(0) @binding(4) var<uniform> params: Params;
 
@@ -21,6 +20,12 @@ struct Params {
     row: u32,
     bounded: u32,
     children: u32,
+    // 0, which the compiler does not know
+    zero: u32,
+    // for times in double precision: whether items have maps, and their first row
+    placed_items: u32,
+    items_lookup: u32,
+    unused: u32,
 }
 
 // A face that two facets compete for, and an interval in which an atom's side is not known.
@@ -163,19 +168,13 @@ fn unsure(start: u32, lo: f32) -> Change {
 }
 
 @WALK@
-fn ray_of(i: u32) -> Ray {
-    let o = rays[2u * i];
-    let d = rays[2u * i + 1u];
-    return Ray(o.xyz, d.xyz, d.w, @DIRECTION_ERROR@);
-}
-
 // True if the window starts before -FAR.
 var<private> early: bool;
 
 // The start of the window as an interval of times.
-fn start_of(i: u32) -> vec2f {
+fn window_start(start: f32) -> vec2f {
     // nothing of a bounded model lies before -FAR
-    let t = max(rays[2u * i].w, select(-BIG, -FAR, params.bounded == 1u));
+    let t = max(start, select(-BIG, -FAR, params.bounded == 1u));
     early = t < -FAR;
     return vec2f(t - 4.0 * EPS * abs(t), t + 4.0 * EPS * abs(t));
 }

@@ -208,13 +208,14 @@ fn line(row: &Row) -> String {
     let share = 100.0 * report.uncertain as f64 / report.rays.max(1) as f64;
     let per_ray = |time: std::time::Duration| 1e9 * time.as_secs_f64() / report.rays.max(1) as f64;
     format!(
-        "| {name} | {faces} | {:.3} | {:.3} | {:.3} | {share:.4} | {} | {differing} of {compared} | {} | {:.1} | {compile:.2} | {:.0}, {:.0}, {:.0} |",
+        "| {name} | {faces} | {:.3} | {:.3} | {:.3} | {share:.4} | {} | {differing} of {compared} | {} | {:.1} | {compile:.2} | {:.1} | {:.0}, {:.0}, {:.0} |",
         kernel / 1e6,
         whole / 1e6,
         cpu / 1e6,
         report.contradicted,
         report.bytes / report.rays.max(1),
         *table_bytes as f64 / 1e6,
+        100.0 * report.timed as f64 / report.rays.max(1) as f64,
         per_ray(report.prepare),
         per_ray(report.device),
         per_ray(report.complete),
@@ -227,8 +228,8 @@ fn page(adapter: &Adapter, threads: usize, rows: &[Row], refused: &str) -> Strin
          Mrays/s: millions of rays per second. Kernel: with rays and answers on the device. Whole: from f64 rays to f64 answers, \
          with upload, download, the f64 kernel of each face and the CPU's rays.\n\n\
          | model | faces | kernel, Mrays/s | whole, Mrays/s | CPU, Mrays/s | uncertain, % | contradicted | differing rays | \
-         bytes per ray | tables, MB | compile, s | prepare, wait, complete: ns per ray and thread |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|\n",
+         bytes per ray | tables, MB | compile, s | timed, % | prepare, wait, complete: ns per ray and thread |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
         adapter.name(),
         adapter.kind(),
         adapter.driver(),
@@ -243,13 +244,14 @@ fn page(adapter: &Adapter, threads: usize, rows: &[Row], refused: &str) -> Strin
 fn json(adapter: &Adapter, threads: usize, rows: &[Row]) -> String {
     let row = |row: &Row| {
         format!(
-            "{{\"model\": {:?}, \"faces\": {}, \"rays\": {}, \"uncertain\": {}, \"distant\": {}, \"contradicted\": {}, \
+            "{{\"model\": {:?}, \"faces\": {}, \"rays\": {}, \"uncertain\": {}, \"timed\": {}, \"distant\": {}, \"contradicted\": {}, \
              \"bytes\": {}, \"table_bytes\": {}, \"compared\": {}, \"differing\": {}, \"compile_seconds\": {:.4}, \
              \"kernel_rays_per_second\": {:.0}, \"whole_rays_per_second\": {:.0}, \"cpu_rays_per_second\": {:.0}}}",
             row.name,
             row.faces,
             row.report.rays,
             row.report.uncertain,
+            row.report.timed,
             row.report.distant,
             row.report.contradicted,
             row.report.bytes,

@@ -1,0 +1,249 @@
+// Rays in double precision, and the times of the CPU.
+//
+// The CPU's kernels use +, -, *, / and square roots, each rounded to nearest. Devices round these operations in the same way, but
+// compilers reassociate sums and contract products. `keep` hides each result from the compiler: it changes the bits by a mask
+// that is 0 at run time. `arithmetic.wgsl` tests this on each device.
+
+// six columns, each with params.rays numbers
+@group(0) @binding(2) var<storage, read> rays: array<f64>;
+// the frame, surfaces and maps
+@group(0) @binding(5) var<storage, read> exact: array<f64, @EXACT_ROWS@>;
+// a row per facet: (kind, surface, maps, number of maps), then a row per item: (maps, number of maps)
+@group(0) @binding(6) var<storage, read> lookup: array<vec4u, @LOOKUP_ROWS@>;
+@group(0) @binding(7) var<storage, read_write> completed: array<f64>;
+
+@ARITHMETIC@
+
+struct Line {
+    o: vec3<f64>,
+    d: vec3<f64>,
+}
+
+fn vector(at: u32) -> vec3<f64> {
+    return vec3<f64>(exact[at], exact[at + 1u], exact[at + 2u]);
+}
+
+fn dot64(a: vec3<f64>, b: vec3<f64>) -> f64 {
+    return plus(plus(times_(a.x, b.x), times_(a.y, b.y)), times_(a.z, b.z));
+}
+
+fn sum64(a: vec3<f64>, b: vec3<f64>) -> vec3<f64> {
+    return vec3<f64>(plus(a.x, b.x), plus(a.y, b.y), plus(a.z, b.z));
+}
+
+fn difference64(a: vec3<f64>, b: vec3<f64>) -> vec3<f64> {
+    return vec3<f64>(minus(a.x, b.x), minus(a.y, b.y), minus(a.z, b.z));
+}
+
+fn scaled64(factor: f64, v: vec3<f64>) -> vec3<f64> {
+    return vec3<f64>(times_(factor, v.x), times_(factor, v.y), times_(factor, v.z));
+}
+
+fn line_of(i: u32) -> Line {
+    let n = params.rays;
+    return Line(
+        vec3<f64>(rays[i], rays[n + i], rays[2u * n + i]),
+        vec3<f64>(rays[3u * n + i], rays[4u * n + i], rays[5u * n + i]),
+    );
+}
+
+// A line in the frame of a placed solid, as `Ray::transformed`.
+fn moved(l: Line, at: u32) -> Line {
+    let x = vector(at);
+    let y = vector(at + 3u);
+    let z = vector(at + 6u);
+    let o = sum64(sum64(scaled64(l.o.x, x), scaled64(l.o.y, y)), scaled64(l.o.z, z));
+    let d = sum64(sum64(scaled64(l.d.x, x), scaled64(l.d.y, y)), scaled64(l.d.z, z));
+    return Line(sum64(o, vector(at + 9u)), d);
+}
+
+const PASSES: u32 = 1u;
+const DISTANT: u32 = 2u;
+
+// A ray in the frame of the model, as `Sender::send`; device times t are times `shift + t * rate`.
+struct Sent {
+    ray: Ray,
+    start: f32,
+    shift: f64,
+    rate: f64,
+    // 0, PASSES or DISTANT
+    route: u32,
+}
+
+fn largest64(v: vec3<f64>) -> f64 {
+    return max(abs(v.x), max(abs(v.y), abs(v.z)));
+}
+
+fn sent_of(l: Line) -> Sent {
+    var sent = Sent(Ray(vec3f(), vec3f(), 0.0, 0.0), 0.0, 0.0lf, 0.0lf, DISTANT);
+    // squares of other directions overflow or lose digits
+    let size = largest64(l.d);
+    if !(size >= 1e-90lf && size < 1e90lf) {
+        return sent;
+    }
+    let centre = vector(0u);
+    let scale = exact[3];
+    let per_scale = 1.0lf / scale;
+    let per_length = 1.0lf / sqrt(dot64(l.d, l.d));
+    let unit = scaled64(per_length, l.d);
+    let offset = difference64(l.o, centre);
+    let square = dot64(offset, offset);
+    var shift = 0.0lf;
+    if square > @NEAR_SQUARE@lf * scale * scale {
+        shift = -dot64(offset, unit);
+    }
+    let at = scaled64(per_scale, sum64(offset, scaled64(shift, unit)));
+    let l1 = abs(l.o.x) + abs(l.o.y) + abs(l.o.z) + abs(centre.x) + abs(centre.y) + abs(centre.z);
+    let tolerance = @TOLERANCE@lf * (3.0lf * l1 + 16.0lf * scale + exact[4]) * per_scale;
+    if !(tolerance < @MOST_TOLERANCE@lf) {
+        return sent;
+    }
+    if !(largest64(at) <= @NEAR@lf) {
+        sent.route = select(DISTANT, PASSES, params.bounded == 1u);
+        return sent;
+    }
+    if shift < 0.0lf && params.bounded == 1u && square > 4.0lf * scale * scale {
+        // behind the start, and outside of everything
+        sent.route = PASSES;
+        return sent;
+    }
+    let o = vec3f(f32(at.x), f32(at.y), f32(at.z));
+    let error = largest64(difference64(at, vec3<f64>(f64(o.x), f64(o.y), f64(o.z))));
+    let d = vec3f(f32(unit.x), f32(unit.y), f32(unit.z));
+    // rounded up
+    let eo = f32(error + tolerance) * 1.000001;
+    let start = f32(clamp(-shift * per_scale, -1e30lf, 1e30lf));
+    return Sent(Ray(o, d, eo, @DIRECTION_ERROR@), start, shift * per_length, scale * per_length, 0u);
+}
+
+// Up to two roots in order; n = 0 also if the CPU has to compute them.
+struct Times {
+    n: u32,
+    t0: f64,
+    t1: f64,
+}
+
+// as `Approach::crossings`
+fn about(time: f64, square: f64, inside: f64) -> Times {
+    if !(inside > 0.0lf) || square == 0.0lf {
+        return Times(0u, 0.0lf, 0.0lf);
+    }
+    let half = root(over(inside, square));
+    if !(half < 1e300lf) {
+        return Times(0u, 0.0lf, 0.0lf);
+    }
+    return Times(2u, minus(time, half), plus(time, half));
+}
+
+// as `Plane::crossings`. exact: normal, offset
+fn plane_times(at: u32, l: Line) -> Times {
+    let n = vector(at);
+    let height = minus(exact[at + 3u], dot64(n, l.o));
+    let speed = dot64(n, l.d);
+    if abs(speed) <= times_(@DOT_NOISE@lf, dot64(abs(n), abs(l.d))) {
+        return Times(0u, 0.0lf, 0.0lf);
+    }
+    return Times(1u, over(height, speed), 0.0lf);
+}
+
+// as `Sphere::crossings`. exact: centre, squared radius
+fn sphere_times(at: u32, l: Line) -> Times {
+    let centre = vector(at);
+    let square = dot64(l.d, l.d);
+    let time = over(dot64(difference64(centre, l.o), l.d), square);
+    let offset = difference64(sum64(l.o, scaled64(time, l.d)), centre);
+    return about(time, square, minus(exact[at + 3u], dot64(offset, offset)));
+}
+
+fn across(v: vec3<f64>, axis: vec3<f64>) -> vec3<f64> {
+    return difference64(v, scaled64(dot64(v, axis), axis));
+}
+
+// as `Cylinder::crossings`. exact: point, axis, squared radius
+fn cylinder_times(at: u32, l: Line) -> Times {
+    let axis = vector(at + 3u);
+    let from_ = across(difference64(l.o, vector(at)), axis);
+    let along = across(l.d, axis);
+    let square = dot64(along, along);
+    // the CPU examines rays that are nearly parallel to the axis
+    if !(square >= times_(@SLOW_SQUARE@lf, dot64(l.d, l.d))) {
+        return Times(0u, 0.0lf, 0.0lf);
+    }
+    let time = over(-dot64(from_, along), square);
+    let apart = sum64(from_, scaled64(time, along));
+    return about(time, square, minus(exact[at + 6u], dot64(apart, apart)));
+}
+
+fn times_of(facet: vec4u, line: Line, maps: u32, count: u32) -> Times {
+    var l = line;
+    for (var k = 0u; k < count; k++) {
+        l = moved(l, maps + 12u * k);
+    }
+    let size = largest64(l.d);
+    if !(size >= 1e-90lf && size < 1e90lf) {
+        return Times(0u, 0.0lf, 0.0lf);
+    }
+    switch facet.x {
+        case 1u: { return plane_times(facet.y, l); }
+        case 2u: { return sphere_times(facet.y, l); }
+        case 3u: { return cylinder_times(facet.y, l); }
+        default: { return Times(0u, 0.0lf, 0.0lf); }
+    }
+}
+
+// The row has the time of the CPU.
+const COMPLETED: u32 = 0x08000000u;
+const FACET_BITS: u32 = 0x07ffffffu;
+
+// An answer, with the time of the root near the predicted one if there is only one such root.
+fn completed_row(i: u32, row: vec4u, line: Line, sent: Sent) -> vec4u {
+    let facet = lookup[row.x & FACET_BITS];
+    var maps = facet.zw;
+    if maps.y == 0u && params.placed_items == 1u {
+        maps = lookup[params.items_lookup + row.y].xy;
+    }
+    let times = times_of(facet, line, maps.x, maps.y);
+    if times.n == 0u {
+        return row;
+    }
+    let predicted = sent.shift + f64(bitcast<f32>(row.w)) * sent.rate;
+    var t = times.t0;
+    var distance = abs(times.t0 - predicted);
+    if times.n == 2u {
+        let other = abs(times.t1 - predicted);
+        let far = max(distance, other);
+        if other < distance {
+            t = times.t1;
+            distance = other;
+        }
+        // as on the CPU: neither about halfway between two roots, nor a double root
+        if !(far > 2.0lf * distance) || times.t0 == times.t1 {
+            return row;
+        }
+    }
+    if !(t > 0.0lf && distance < sent.rate) {
+        return row;
+    }
+    completed[i] = t;
+    return vec4u(row.x | COMPLETED, row.yzw);
+}
+
+@compute @workgroup_size(@WORKGROUP@)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let i = id.x + id.y * params.row;
+    if i >= params.rays {
+        return;
+    }
+    limited = false;
+    let line = line_of(i);
+    let sent = sent_of(line);
+    if sent.route != 0u {
+        answers[i] = vec4u(select(UNCERTAIN, MISS, sent.route == PASSES), sent.route, 0u, 0u);
+        return;
+    }
+    var row = packed(find(sent.ray, window_start(sent.start)));
+    if row.x < MISS {
+        row = completed_row(i, row, line, sent);
+    }
+    answers[i] = row;
+}
