@@ -449,13 +449,15 @@ impl GpuProgram {
         } else {
             surface.crossings(&local_ray(&self.program, ray, placement).0)
         };
-        let predicted = clock.shift + f64::from(f32::from_bits(answer[3])) * clock.rate;
+        let on_device = f64::from(f32::from_bits(answer[3]));
+        let predicted = clock.shift + on_device * clock.rate;
         let times = crossings.times();
         let distance = |t: f64| (t - predicted).abs();
         let &nearest = times.iter().min_by(|a, b| distance(**a).total_cmp(&distance(**b)))?;
         // the interval of the device holds one root; a prediction about halfway between two is not its middle
         let is_clear = |&t: &f64| t == nearest || distance(t) > 2.0 * distance(nearest);
-        let is_near = nearest > clock.from && distance(nearest) < clock.rate;
+        // a ray that is nearly parallel to a plane far away has an interval of up to twice its time
+        let is_near = nearest > clock.from && distance(nearest) < (1.0 + on_device.abs()) * clock.rate;
         (is_near && times.iter().all(is_clear)).then_some(Crossing {
             t: nearest,
             face,

@@ -109,6 +109,25 @@ fn random_models_give_the_bits_of_the_cpu() {
     random_models(6, 1000);
 }
 
+/// Rays nearly parallel to a plane far outside of the others cross it at thousands of sizes of the model: the interval of the
+/// time is as long as the way there, and the prediction still holds.
+#[test]
+fn far_crossings_of_planes_are_not_contradicted() {
+    let Some(adapter) = adapter() else { return };
+    let normal = Value::from(Vec3::new(-0.4768, 0.4010, -0.7822));
+    let wall = shape("half_space", &[("normal", normal), ("offset", 0.56.into())]);
+    let program = Arc::new(Program::compile(&(wall | sphere(1.0, Vec3::ZERO))).unwrap());
+    let mut rng = Random::new(7);
+    let along = Vec3::new(0.4010, 0.4768, 0.0);
+    let mut ray = || {
+        let origin = Vec3::new(0.0, 3.0, 0.0) + rng.point(1.0);
+        Ray::new(origin, along + 10f64.powi(-(rng.below(7) as i32)) * rng.point(1.0))
+    };
+    let rays: RayBatch = (0..20_000).map(|_| ray()).collect();
+    let report = check(&adapter, &program, &rays, "far planes").unwrap();
+    assert!(report.uncertain < report.rays / 2, "{report:?}");
+}
+
 #[test]
 #[ignore = "long"]
 fn long_random_models_give_the_bits_of_the_cpu() {

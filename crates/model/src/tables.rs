@@ -267,7 +267,8 @@ impl Tables {
                 }
             }
         }
-        Ball::around(&finite)
+        let magnitude = self.surfaces.iter().map(|entry| entry.magnitude).fold(0.0, f64::max);
+        Ball::around(&finite, magnitude)
     }
 }
 

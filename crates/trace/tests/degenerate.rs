@@ -3,7 +3,7 @@
 //! Every case runs on every evaluator in the list at the end of the file; add new evaluators there.
 
 use rayweave_conformance::Random;
-use rayweave_math::{Affine, UNIT_ROUNDOFF, Vec3};
+use rayweave_math::{Affine, Mat3, UNIT_ROUNDOFF, Vec3};
 use rayweave_model::{Collected, Evaluator, Program, Query, RayBatch, Region, RegionId, Solid};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Primitive, Value, build};
@@ -706,6 +706,26 @@ fn touching_a_cylinder_at_the_edge_of_two_planes(bench: &Bench) {
     }
 }
 
+/// A lone plane that a translation moves into the origin and a rotation turns about it is off the origin by a rounding error. A ray
+/// from there that crosses it does not lie in it, although the plane is no farther from the origin than that error.
+fn from_the_origin_through_a_turned_plane(bench: &Bench) {
+    let wall = half_space([0.0, 0.0, -1.0], 1.0);
+    let turned = Mat3::from_cols(
+        Vec3::new(0.6190476190476191, 0.7619047619047619, -0.19047619047619047),
+        Vec3::new(-0.7619047619047619, 0.5238095238095238, -0.38095238095238093),
+        Vec3::new(-0.19047619047619047, 0.38095238095238093, 0.9047619047619048),
+    );
+    let wall = wall.translate([0.5, 0.5, 1.0]).apply(Affine::from_linear(turned));
+    for direction in [Vec3::new(-0.1875, 0.1875, 0.0625), Vec3::new(3.0, -1.0, 2.0), Vec3::Z] {
+        for (origin, sign) in [(0.0, 1.0), (0.0, -1.0), (1e-17, 1.0), (1e-16, -1.0)] {
+            let ray = Ray::new(Vec3::splat(origin), sign * (turned * direction));
+            let found = bench.trace(&wall, ray);
+            let times: Vec<f64> = found.crossings.iter().map(|c| c.t).collect();
+            assert!(matches!(times[..], [t] if t.abs() < 1e-14), "{origin} {direction}: {times:?}");
+        }
+    }
+}
+
 fn tangents_of_lone_unbounded_surfaces(bench: &Bench) {
     let quadric = |rows: [[f64; 4]; 4]| made("quadric", &[("matrix", rows.as_slice().into())]);
     let diagonal = |[a, b, c, d]: [f64; 4]| {
@@ -776,6 +796,7 @@ bank! {
         beside_a_ruling
         nearly_in_one_of_two_crossing_planes
         touching_a_cylinder_at_the_edge_of_two_planes
+        from_the_origin_through_a_turned_plane
         two_tangent_spheres_through_the_contact
         cone_apex
         torus_axis_and_equators

@@ -44,10 +44,10 @@ impl Span {
             let (origin, direction) = (map.point(ray.origin), map.vector(ray.direction));
             let middle = (ball.centre - origin).dot(direction) / direction.length_squared();
             // a length below rounding counts as 0
-            let rounding = origin.length() + middle.abs() * direction.length() + ball.centre.length();
-            let radius = if ball.radius > 65536.0 * UNIT_ROUNDOFF * rounding { ball.radius } else { 0.0 };
-            let lengths = [radius, (origin - ball.centre).length(), direction.length()];
-            let length = lengths.into_iter().find(|&length| length > 0.0).unwrap_or(0.0);
+            let point = origin.length() + middle.abs() * direction.length();
+            let least = 65536.0 * UNIT_ROUNDOFF * (point + ball.centre.length() + ball.magnitude);
+            let lengths = [ball.radius, (origin - ball.centre).length(), direction.length()];
+            let length = lengths.into_iter().find(|&length| length > least).unwrap_or(least);
             (middle, length / direction.length())
         };
         let mut chords: Vec<(f64, f64)> = balls.iter().map(chord).collect();

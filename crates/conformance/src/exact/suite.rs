@@ -44,10 +44,14 @@ impl Subject {
 fn subject(parts: &[Part], frame: Affine, makers: &[Maker]) -> Result<Subject, String> {
     let program =
         |frame: &Affine| Program::compile_regions(&regions(parts, frame)).map_err(|e| e.to_string());
-    // the balls are those of the model in the frame of the exact answer
-    let mut balls = balls(&program(&Affine::IDENTITY)?);
-    parts.iter().for_each(|part| mesh_balls(&part.tree, &Affine::IDENTITY, &mut balls));
     let compiled = program(&frame)?;
+    // those of the model in the frame of the exact answer and in its own: the chord of a lone plane depends on its distance from
+    // the origin
+    let mut balls = balls(&program(&Affine::IDENTITY)?, &Affine::IDENTITY);
+    if frame != Affine::IDENTITY {
+        balls.extend(self::balls(&compiled, &frame));
+    }
+    parts.iter().for_each(|part| mesh_balls(&part.tree, &Affine::IDENTITY, &mut balls));
     // a mesh shares no surface with a plane in one of its faces, so rounding decides which leaf is crossed first
     let numbered = compiled.prototypes().len() == 1 && !parts.iter().any(|part| part.tree.has_mesh());
     let mut exact = Exact::new(parts);
@@ -58,12 +62,13 @@ fn subject(parts: &[Part], frame: Affine, makers: &[Maker]) -> Result<Subject, S
     Ok(Subject { parts: parts.to_vec(), exact, evaluators, balls, frame, numbered })
 }
 
-fn balls(program: &Program) -> Vec<(Affine, Ball)> {
+/// The balls of a program, with the maps into their frames from one that `frame` maps to that of the program.
+fn balls(program: &Program, frame: &Affine) -> Vec<(Affine, Ball)> {
     let placements = 0..program.prototypes()[0].placements;
     let ball = |k: u32| {
         let (world_from_local, group) = program.placement(PlacementId(k));
         let map = world_from_local.inverse().unwrap_or(Affine::IDENTITY);
-        (map, program.prototype(group).ball)
+        (frame.then(&map), program.prototype(group).ball)
     };
     placements.map(ball).collect()
 }
@@ -75,7 +80,7 @@ fn mesh_balls(tree: &Tree, world_from_local: &Affine, balls: &mut Vec<(Affine, B
         Tree::Leaf(Shape::MeshCorners(lo, hi)) => {
             let [lo, hi] = [lo, hi].map(|corner| Vec3::from(*corner));
             let half = (0.5 * (hi - lo)).max_element();
-            let ball = Ball { centre: 0.5 * (lo + hi), radius: 1.75 * half };
+            let ball = Ball { centre: 0.5 * (lo + hi), radius: 1.75 * half, magnitude: 0.0 };
             balls.push((world_from_local.inverse().unwrap_or(Affine::IDENTITY), ball));
         }
         Tree::Moved(map, a) => mesh_balls(a, &map.affine().then(world_from_local), balls),

@@ -206,7 +206,8 @@ fn completed_row(i: u32, row: vec4u, line: Line, sent: Sent) -> vec4u {
     if times.n == 0u {
         return row;
     }
-    let predicted = sent.shift + f64(bitcast<f32>(row.w)) * sent.rate;
+    let on_device = f64(bitcast<f32>(row.w));
+    let predicted = sent.shift + on_device * sent.rate;
     var t = times.t0;
     var distance = abs(times.t0 - predicted);
     if times.n == 2u {
@@ -221,7 +222,7 @@ fn completed_row(i: u32, row: vec4u, line: Line, sent: Sent) -> vec4u {
             return row;
         }
     }
-    if !(t > 0.0lf && distance < sent.rate) {
+    if !(t > 0.0lf && distance < (1.0lf + abs(on_device)) * sent.rate) {
         return row;
     }
     completed[i] = t;
