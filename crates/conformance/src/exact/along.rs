@@ -211,14 +211,20 @@ impl SurfacePolynomial {
         })
     }
 
-    /// The distance between the surface and the ray at the extremum of the polynomial, where they may be
-    /// tangent.
+    /// The distance between the surface and the ray at the extremum of the polynomial, where they may be tangent. If the
+    /// polynomial is constant, the least of the distances at the times 0 and 1: beside a ruling it falls with the distance from the
+    /// apex, and rounding may move the ray across the surface.
     pub(super) fn extremum(&self, surface: &Surface, line: &Line) -> f64 {
         let [a, b, _] = &self.coefficients;
-        if a.is_zero() || self.lies {
+        let distance = |t: &Dyadic| distance(surface, &self.coefficients, line, t);
+        if self.lies {
             return f64::INFINITY;
         }
-        distance(surface, &self.coefficients, line, &(-b).over(&a.scaled(1)))
+        match (a.is_zero(), b.is_zero()) {
+            (false, _) => distance(&(-b).over(&a.scaled(1))),
+            (true, false) => f64::INFINITY,
+            (true, true) => distance(&Dyadic::ZERO).min(distance(&Dyadic::ONE)),
+        }
     }
 }
 

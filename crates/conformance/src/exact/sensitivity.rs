@@ -72,7 +72,8 @@ impl RayComputation<'_> {
         for (s, along) in self.along.iter().enumerate() {
             let surface = &self.exact.surfaces[s];
             let [a, b, _] = &along.coefficients;
-            if along.changes.roots.is_empty() && along.extremum(surface, self.line) <= bound(s, 0.0) {
+            let is_tangent = || !a.is_zero() && along.extremum(surface, self.line) <= bound(s, 0.0);
+            if along.changes.roots.is_empty() && is_tangent() {
                 let middle = (-b).over(&a.scaled(1));
                 let t = middle.to_f64();
                 let error = bound(s, t) * surface.slope(&self.line.at(&middle.rounded()));
