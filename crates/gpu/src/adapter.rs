@@ -34,6 +34,19 @@ pub enum AdapterKind {
     Software,
 }
 
+impl AdapterKind {
+    /// The class in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            AdapterKind::Discrete => "card",
+            AdapterKind::Integrated => "in the processor",
+            AdapterKind::Virtual => "virtual",
+            AdapterKind::Other => "unknown",
+            AdapterKind::Software => "software",
+        }
+    }
+}
+
 impl Gpu {
     /// Asks the Vulkan drivers of this machine for their adapters, best first.
     pub fn new() -> Gpu {
