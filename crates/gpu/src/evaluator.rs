@@ -40,7 +40,7 @@ impl GpuDevice {
         &self.program
     }
 
-    /// What all queries cost so far.
+    /// The costs of all queries so far.
     pub fn report(&self) -> GpuReport {
         self.state().report
     }

@@ -6,6 +6,7 @@ use crate::flat::{Flat, MOST_NODES};
 use crate::frame::{Clock, Frame, Sender, Sent};
 use crate::kernel::{Answer, Kernel, RAY_BYTES, Slot, Tables};
 use crate::layout::{Layout, magnitude_of};
+use crate::prepared::Others;
 use crate::shader::Entry;
 use crate::terms::Top;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
@@ -20,8 +21,6 @@ use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 mod queries;
-
-use queries::Others;
 
 /// Rays that are on the device at a time, per slot.
 const BATCH: usize = 1 << 20;

@@ -8,12 +8,12 @@ const RENDER: [&str; 6] = ["render", "ball.toml", "-o", "out.png", "--size", "60
 #[test]
 fn wrong_arguments_of_devices() {
     let bench = Bench::new();
-    let with = |options: &[&str]| [&RENDER, options].concat();
-    let said = bench.fails(2, &with(&["--device", "gpu", "--evaluator", "weave"]));
+    let fails = |options: &[&str]| bench.fails(2, &[&RENDER, options].concat());
+    let said = fails(&["--device", "gpu", "--evaluator", "weave"]);
     assert!(said.contains("evaluators are algorithms of the CPU"), "{said}");
-    let said = bench.fails(2, &with(&["--adapter", "0"]));
+    let said = fails(&["--adapter", "0"]);
     assert!(said.contains("add --device gpu"), "{said}");
-    let said = bench.fails(2, &with(&["--device", "gpus"]));
+    let said = fails(&["--device", "gpus"]);
     assert!(said.contains("[possible values: cpu, gpu, auto]"), "{said}");
     assert_eq!(bench.files(), ["ball.toml", "cemented.toml"]);
 }

@@ -3,7 +3,8 @@
 use super::{BATCH, CHUNK, GpuProgram, GpuReport, SHARED, UNCERTAIN, run};
 use crate::error::GpuError;
 use crate::frame::{Clock, Sender, Sent};
-use crate::kernel::{Answer, Kernel, RAY_BYTES, Slot};
+use crate::kernel::{Answer, Kernel, RAY_BYTES};
+use crate::prepared::Prepared;
 use crate::shader::Entry;
 use rayweave_math::Vec3;
 use rayweave_model::{
@@ -13,7 +14,7 @@ use rayweave_shape::Ray;
 use rayweave_trace::Packets;
 use std::num::NonZeroUsize;
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
+use std::sync::PoisonError;
 
 /// The bit of the first word of an answer for a ray with more crossings than rows.
 const MORE: u32 = 1 << 28;
@@ -23,23 +24,6 @@ const MORE: u32 = 1 << 28;
 const DIRECTION: Vec3 = Vec3::new(0.48, 0.6, 0.64);
 
 type CpuScratch = <Packets as Evaluator>::Scratch;
-
-/// A kernel with its buffers.
-#[derive(Debug)]
-struct Prepared {
-    entry: Entry,
-    kernel: Kernel,
-    slot: Slot,
-    batch: usize,
-}
-
-/// Kernels that are compiled when they are first used.
-#[derive(Debug, Default)]
-pub(super) struct Others {
-    first: Mutex<Option<Prepared>>,
-    all: Mutex<Option<Prepared>>,
-    start: Mutex<Option<Prepared>>,
-}
 
 impl GpuProgram {
     /// All crossings after t = 0 of every ray: [`GpuProgram::collect`] with the window from 0 on.
