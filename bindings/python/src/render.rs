@@ -93,7 +93,6 @@ impl RenderArguments<'_> {
     }
 
     /// The subject without the cut, if there is one, for the views of a sheet that do not look onto it.
-    #[expect(clippy::type_complexity, reason = "used once")]
     fn whole(
         &self,
         object: &Bound<'_, PyAny>,

@@ -203,7 +203,11 @@ fn note(place: &Mutex<Option<String>>, reason: &str) {
 
 /// A message of the driver as part of a sentence.
 fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ").trim_end_matches('.').to_owned()
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    match line.trim_end_matches('.') {
+        "" => "the driver gives no reason".to_owned(),
+        line => line.to_owned(),
+    }
 }
 
 /// Runs a future that the native back-ends complete at once.

@@ -145,6 +145,12 @@ impl GpuProgram {
         }
     }
 
+    /// Destroys the device, as if its driver had been lost.
+    #[cfg(test)]
+    pub(crate) fn destroy(&self) {
+        self.kernel.device().device.destroy();
+    }
+
     /// Runs a kernel for all rays, batch by batch; `take` receives the answers. Returns the number of bytes moved.
     fn ask(
         &self,
