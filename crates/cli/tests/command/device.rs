@@ -95,7 +95,7 @@ mod with_the_feature {
         let ray = |k: usize| {
             let (y, z) = ((k % 41) as f64 / 20.0 - 1.0, (k / 41) as f64 / 20.0 - 1.0);
             let x = [-5.0, 0.5, -1e6][k % 3];
-            format!("{x},{y},{z},{},{},0.1\n", if k % 7 == 0 { 0.0 } else { 1.0 }, z / 3.0)
+            format!("{x},{y},{z},{},{},0.1\n", if k.is_multiple_of(7) { 0.0 } else { 1.0 }, z / 3.0)
         };
         let rays = (0..1681).map(ray).collect::<String>();
         bench.write("rays.csv", format!("ox,oy,oz,dx,dy,dz\n{rays}"));
