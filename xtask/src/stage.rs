@@ -45,7 +45,11 @@ pub const STAGES: &[Stage] = &[
     stage("clippy", "the linter reports nothing", cargo::clippy),
     stage("docs", "the documentation builds without warnings", cargo::docs),
     stage("rust", "unit tests, integration tests and documentation tests of all crates", cargo::tests),
-    stage("gpu", "the crate for graphics cards, where a Vulkan driver is installed", cargo::gpu),
+    stage(
+        "gpu",
+        "the crate for graphics cards and the command with them, where a Vulkan driver is installed",
+        cargo::gpu,
+    ),
     stage("primitive", "a new primitive, added as CONTRIBUTING.md says, compiles and works", primitive::run),
     Stage { name: "long", what: "the ignored tests of the long mode", long: true, run: cargo::long_tests },
     Stage {

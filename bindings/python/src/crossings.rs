@@ -1,6 +1,5 @@
 //! Crossings of rays as columns.
 
-use std::borrow::Cow;
 use std::iter::zip;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard};
@@ -17,7 +16,8 @@ use rayweave::space::{Curve, CurveTrace, curve_normal, curve_point};
 
 use crate::answer::{Answer, Rows, column, medium_of, take};
 use crate::arrays::{MANY, fresh, no_memory, room};
-use crate::engine::{BLOCK, Chunking, Engine, QueryOptions, Worker, inside, run_query, share, surface};
+use crate::device::Chosen;
+use crate::engine::{Chunking, Engine, QueryOptions, Worker, inside, run_query, share, surface};
 use crate::error::bad_value;
 use crate::rays::{Columns, RayArrays, RayRows};
 
@@ -141,7 +141,7 @@ impl TableSize {
 /// The arguments of the query.
 struct QueryArguments<'a, 'py> {
     py: Python<'py>,
-    evaluator: Cow<'a, AnyEvaluator>,
+    evaluator: Chosen<'a>,
     rays: RayArrays<'py>,
     window: Window,
     chunking: Chunking,
@@ -151,8 +151,9 @@ impl<'a, 'py> QueryArguments<'a, 'py> {
     fn new(engine: &'a Engine, rays: [&Bound<'py, PyAny>; 2], options: &QueryOptions) -> PyResult<Self> {
         let py = rays[0].py();
         let rays = RayArrays::new(rays)?;
+        let evaluator = engine.chosen(py, options)?;
         // small tables stay in the L1 or L2 cache
-        let (chunking, evaluator) = (options.chunking(rays.len()).small(), engine.chosen(py, options)?);
+        let chunking = options.chunking(rays.len(), &evaluator).small();
         Ok(QueryArguments { py, evaluator, rays, window: options.window, chunking })
     }
 
@@ -188,7 +189,7 @@ impl<'a, 'py> QueryArguments<'a, 'py> {
     fn guess(&self) -> usize {
         let step = (self.chunking.len / SAMPLE).max(1);
         let (rays, count) = (self.rays.rows().every(step), self.chunking.len.div_ceil(step));
-        let (evaluator, window) = (&*self.evaluator, self.window);
+        let (evaluator, window): (&AnyEvaluator, _) = (&self.evaluator, self.window);
         let sampled = self.py.detach(|| {
             let (memory, scratch) = (evaluator.scratch(), Columns::default());
             let mut worker = Worker { evaluator, memory, scratch };
@@ -211,8 +212,9 @@ fn append_crossings(
     mut table: Table,
 ) -> Option<Table> {
     let (program, query) = (worker.evaluator.program(), Query { window, ..Query::default() });
-    for start in range.clone().step_by(BLOCK) {
-        let rays = worker.scratch.rays(rays, start..range.end.min(start + BLOCK), program)?;
+    let block = worker.block();
+    for start in range.clone().step_by(block) {
+        let rays = worker.scratch.rays(rays, start..range.end.min(start + block), program)?;
         let mut sink = |answer: RayAnswer<'_>| table.push(program, &rays.get(answer.ray), &answer);
         worker.evaluator.crossings(rays, &query, &mut worker.memory, &mut sink);
     }

@@ -1,6 +1,5 @@
 //! Query engine of a compiled solid or model: evaluators, threads and interrupts.
 
-use std::borrow::Cow;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::atomic::AtomicUsize;
@@ -11,10 +10,12 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBool, PyInt, PyTuple};
+use rayweave::device::{Device, DeviceEvaluator, DeviceOptions};
 use rayweave::model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave::model::{Crossing, Evaluator, LeafKind, Program, RegionId, Window};
 use rayweave::{AnyEvaluator, AnyScratch, Compiled, Message};
 
+use crate::device::{Chosen, device_argument, warn};
 use crate::error::{bad_type, bad_value, shown};
 
 /// The minimum number of rays per chunk: large enough to make the overhead negligible.
@@ -40,6 +41,8 @@ pub struct Engine {
     /// The names of the media by number; `None` for a single solid.
     pub media: Option<Arc<[String]>>,
     evaluator: AnyEvaluator,
+    /// The evaluators of the devices `gpu` and `auto`, once they are used.
+    devices: [OnceLock<DeviceEvaluator>; 2],
     /// True if no region has the medium of the world.
     is_plain: bool,
     leaves: PyOnceLock<Py<PyArray1<i32>>>,
@@ -65,6 +68,7 @@ impl Engine {
         Ok(Engine {
             evaluator: AnyEvaluator::new(None, program.clone()).map_err(bad_value)?,
             is_plain: program.regions().iter().all(|region| region.medium != 0),
+            devices: Default::default(),
             program,
             media,
             leaves: PyOnceLock::new(),
@@ -81,10 +85,33 @@ impl Engine {
     }
 
     /// The evaluator that the arguments select.
-    pub fn chosen(&self, py: Python<'_>, options: &QueryOptions) -> PyResult<Cow<'_, AnyEvaluator>> {
-        let Some(name) = &options.evaluator else { return Ok(Cow::Borrowed(&self.evaluator)) };
+    pub fn chosen(&self, py: Python<'_>, options: &QueryOptions) -> PyResult<Chosen<'_>> {
+        if options.device != Device::Cpu {
+            return self.on_device(py, options.device, options.evaluator.as_deref()).map(Chosen::Device);
+        }
+        let Some(name) = &options.evaluator else { return Ok(Chosen::Kept(&self.evaluator)) };
         let made = py.detach(|| AnyEvaluator::new(Some(name), self.program.clone()));
-        Ok(Cow::Owned(made.map_err(bad_value)?))
+        Ok(Chosen::Made(made.map_err(bad_value)?))
+    }
+
+    /// The evaluator on a device other than the CPU, compiled at its first use.
+    pub fn on_device(
+        &self,
+        py: Python<'_>,
+        device: Device,
+        evaluator: Option<&str>,
+    ) -> PyResult<&DeviceEvaluator> {
+        let place = &self.devices[usize::from(device == Device::Auto)];
+        let make = || {
+            let options = DeviceOptions { device, adapter: None };
+            DeviceEvaluator::new(options, evaluator, self.program.clone()).map_err(bad_value)
+        };
+        if let Some(known) = place.get().filter(|_| evaluator.is_none()) {
+            return Ok(known);
+        }
+        let made = py.detach(make)?;
+        warn(py, made.notice())?;
+        Ok(place.get_or_init(|| made))
     }
 
     /// True if no region has the medium of the world.
@@ -154,6 +181,7 @@ pub struct QueryOptions {
     /// `None` for the default, which is cached.
     evaluator: Option<String>,
     threads: Option<NonZeroUsize>,
+    device: Device,
 }
 
 /// The value of a cell, computed at the first use. `compute` releases the GIL.
@@ -184,7 +212,9 @@ impl QueryOptions {
         t_max: f64,
         evaluator: Option<&str>,
         threads: Option<&Bound<'_, PyAny>>,
+        device: &str,
     ) -> PyResult<Self> {
+        let device = device_argument(device)?;
         let window = Window::new(t_min, t_max)
             .map_err(|error| bad_value(format!("t_min = {t_min}, t_max = {t_max}: {error}")))?;
         if let Some(other) = evaluator.filter(|name| !AnyEvaluator::NAMES.contains(name)) {
@@ -194,7 +224,8 @@ impl QueryOptions {
             return Err(bad_value(format!("evaluator is '{other}': it must be one of {names}.{hint}")));
         }
         let evaluator = evaluator.filter(|&name| name != AnyEvaluator::NAMES[0]).map(str::to_owned);
-        Ok(QueryOptions { window, evaluator, threads: threads.map(thread_argument).transpose()? })
+        let threads = threads.map(thread_argument).transpose()?;
+        Ok(QueryOptions { window, evaluator, threads, device })
     }
 }
 
@@ -222,6 +253,8 @@ pub struct Chunking {
     pub len: usize,
     /// Chunk size, at least 1.
     pub chunk: usize,
+    /// The number of rays or points that the evaluator processes at a time.
+    block: usize,
     threads: NonZeroUsize,
 }
 
@@ -235,12 +268,12 @@ impl Chunking {
 impl Chunking {
     /// A single chunk.
     pub fn whole(len: usize) -> Self {
-        Chunking { len, chunk: len.max(1), threads: NonZeroUsize::MIN }
+        Chunking { len, chunk: len.max(1), block: BLOCK, threads: NonZeroUsize::MIN }
     }
 
     /// The same with smaller chunks, as small as the overhead permits.
     pub fn small(self) -> Self {
-        Chunking { chunk: MIN_CHUNK, ..self }
+        Chunking { chunk: self.block.max(MIN_CHUNK), ..self }
     }
 
     /// The number of chunks.
@@ -250,17 +283,22 @@ impl Chunking {
 }
 
 impl QueryOptions {
-    /// Division of `len` rays or points into chunks.
-    pub fn chunking(&self, len: usize) -> Chunking {
+    /// Division of `len` rays or points into chunks for an evaluator.
+    pub fn chunking(&self, len: usize, evaluator: &AnyEvaluator) -> Chunking {
         // querying the number of threads takes longer than many small queries
         if len <= MIN_CHUNK {
-            return Chunking { len, chunk: MIN_CHUNK, threads: NonZeroUsize::MIN };
+            return Chunking { len, chunk: MIN_CHUNK, block: BLOCK, threads: NonZeroUsize::MIN };
         }
         let threads = thread_count(self.threads);
-        let chunk = (len / (threads.get() * PIECES)).clamp(MIN_CHUNK, MAX_CHUNK).next_multiple_of(BLOCK);
+        let block = block_of(evaluator);
+        let chunk = match block > BLOCK {
+            true => block,
+            false => (len / (threads.get() * PIECES)).clamp(MIN_CHUNK, MAX_CHUNK).next_multiple_of(BLOCK),
+        };
         Chunking {
             len,
             chunk,
+            block,
             threads: NonZeroUsize::new(len.div_ceil(chunk)).map_or(threads, |n| threads.min(n)),
         }
     }
@@ -276,19 +314,34 @@ pub struct Worker<'e, S> {
     pub scratch: S,
 }
 
+/// The number of rays or points that an evaluator processes at a time.
+fn block_of(evaluator: &AnyEvaluator) -> usize {
+    evaluator.preferred_batch().map_or(BLOCK, NonZeroUsize::get)
+}
+
+impl<S> Worker<'_, S> {
+    /// The number of rays or points that the evaluator processes at a time.
+    pub fn block(&self) -> usize {
+        block_of(self.evaluator)
+    }
+}
+
 /// Processes a query chunk by chunk without the GIL; `merge` receives the results in order. `work`
 /// returns `None` if a ray or point of the chunk is invalid; the result is then false.
 pub fn run_query<C: Send, A: Send, S: Default>(
     py: Python<'_>,
-    evaluator: &AnyEvaluator,
+    chosen: &Chosen<'_>,
     chunking: Chunking,
     chunks: impl Iterator<Item = C> + Send,
     work: impl Fn(&mut Worker<'_, S>, C) -> Option<A> + Send + Sync,
     mut merge: impl FnMut(A) -> PyResult<()> + Send,
 ) -> PyResult<bool> {
+    let evaluator: &AnyEvaluator = chosen;
     let worker = || Worker { evaluator, memory: evaluator.scratch(), scratch: S::default() };
     let merge = |answer: Option<A>| Ok(merge(answer.ok_or(Halt::Refused)?)?);
-    py.detach(|| run(chunking.threads, chunks, worker, work, merge))
+    let done = py.detach(|| run(chunking.threads, chunks, worker, work, merge))?;
+    chosen.finish(py)?;
+    Ok(done)
 }
 
 /// Processes chunks that are always valid, without the GIL.
@@ -328,7 +381,9 @@ pub fn in_chunks<A: Send, M>(
 ) -> PyResult<()> {
     let threads = NonZeroUsize::new(len.div_ceil(chunk)).unwrap_or(NonZeroUsize::MIN);
     let threads = if threads.get() > 1 { thread_count(requested).min(threads) } else { threads };
-    run(threads, Chunking { len, chunk, threads }.ranges(), memory, work, |answer| Ok(merge(answer)?))?;
+    run(threads, Chunking { len, chunk, block: BLOCK, threads }.ranges(), memory, work, |answer| {
+        Ok(merge(answer)?)
+    })?;
     Ok(())
 }
 

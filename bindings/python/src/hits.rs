@@ -1,6 +1,5 @@
 //! Entry and exit times of rays, as hit arrays.
 
-use std::borrow::Cow;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use numpy::ndarray::{Array2, ArrayViewMut2, s};
@@ -12,7 +11,8 @@ use rayweave::model::{Evaluator, HitArrayRows, Rays, Window};
 use rayweave::{AnyEvaluator, AnyScratch};
 
 use crate::arrays::{fresh_table, is_from_numpy, room, shape_text};
-use crate::engine::{BLOCK, Chunking, Engine, QueryOptions, Worker, run_query};
+use crate::device::Chosen;
+use crate::engine::{Chunking, Engine, QueryOptions, Worker, run_query};
 use crate::error::{bad_type, bad_value};
 use crate::rays::{Columns, RayArrays, RayRows};
 
@@ -81,7 +81,7 @@ impl HitsQuery<'_> {
     ) -> Option<PyResult<Vec<OverflowBlock>>> {
         let mut overflow = Vec::new();
         while buffers.len() > 0 {
-            let block = buffers.take(BLOCK);
+            let block = buffers.take(worker.block());
             let len = block.len();
             let rays = worker.scratch.rays(self.rays, first..first + len, worker.evaluator.program())?;
             let mut tracer = (worker.evaluator, &mut worker.memory);
@@ -158,7 +158,7 @@ fn filled<T: Clone>(rows: usize, columns: usize, value: T) -> PyResult<Array2<T>
 struct QueryArguments<'a, 'py> {
     py: Python<'py>,
     engine: &'a Engine,
-    evaluator: Cow<'a, AnyEvaluator>,
+    evaluator: Chosen<'a>,
     rays: RayArrays<'py>,
     window: Window,
     chunking: Chunking,
@@ -199,7 +199,7 @@ impl<'py> QueryArguments<'_, 'py> {
         }
         let rays = self.rays.rows().every(self.chunking.len / count);
         let query = HitsQuery { rays, window: self.window, keep_overflow: false, most: AtomicUsize::new(0) };
-        let evaluator = &*self.evaluator;
+        let evaluator: &AnyEvaluator = &self.evaluator;
         self.py.detach(|| {
             let (memory, scratch) = (evaluator.scratch(), Columns::default());
             let mut row = vec![0.0; count];
@@ -364,7 +364,8 @@ pub fn hits<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = rays[0].py();
     let rays = RayArrays::new(rays)?;
-    let (evaluator, chunking) = (engine.chosen(py, options)?, options.chunking(rays.len()));
+    let evaluator = engine.chosen(py, options)?;
+    let chunking = options.chunking(rays.len(), &evaluator);
     let arguments = QueryArguments { py, engine, evaluator, rays, window: options.window, chunking };
     let (times, faces) = match out {
         None => arguments.new_arrays(surfaces)?.0,

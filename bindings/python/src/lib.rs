@@ -10,6 +10,7 @@ mod build;
 mod camera;
 mod check;
 mod crossings;
+mod device;
 mod diff;
 mod distance;
 mod drawing;
@@ -64,6 +65,8 @@ mod _core {
     use crate::arrays::number_list;
     #[pymodule_export]
     use crate::check::check_rows;
+    #[pymodule_export]
+    use crate::device::devices;
     #[pymodule_export]
     use crate::diff::diff_columns;
     #[pymodule_export]

@@ -323,8 +323,9 @@ impl PyModel {
     /// Times at which rays enter and leave the medium of the world: see `Solid.hits`.
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
-        return_surfaces = false, out = None, evaluator = None, threads: "int | None" = None
-    ), text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, return_surfaces=False, out=None, evaluator=None, threads=None)")]
+        return_surfaces = false, out = None, evaluator = None, threads: "int | None" = None,
+        device: "Literal['cpu', 'gpu', 'auto']" = "cpu"
+    ), text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, return_surfaces=False, out=None, evaluator=None, threads=None, device='cpu')")]
     #[cfg_attr(
         false,
         stub(
@@ -350,16 +351,19 @@ impl PyModel {
         out: Option<&Bound<'py, PyAny>>,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
+        device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let options = QueryOptions::new(t_min, t_max, evaluator, threads)?;
+        let options = QueryOptions::new(t_min, t_max, evaluator, threads, device)?;
         hits::hits(self.engine(origins.py())?, [origins, directions], &options, return_surfaces, out)
     }
 
     /// All changes of the medium, sorted by ray, then t: see `ModelCrossings`.
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
-        evaluator = None, threads: "int | None" = None
-    ) -> "ModelCrossings", text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, evaluator=None, threads=None)")]
+        evaluator = None, threads: "int | None" = None,
+        device: "Literal['cpu', 'gpu', 'auto']" = "cpu"
+    ) -> "ModelCrossings", text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, evaluator=None, threads=None, device='cpu')")]
+    #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn crossings<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -368,9 +372,10 @@ impl PyModel {
         #[pyo3(from_py_with = time_argument)] t_max: f64,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
+        device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (engine, options) =
-            (self.engine(origins.py())?, QueryOptions::new(t_min, t_max, evaluator, threads)?);
+            (self.engine(origins.py())?, QueryOptions::new(t_min, t_max, evaluator, threads, device)?);
         crossings::crossings(engine, [origins, directions], &options)
     }
 
@@ -395,8 +400,10 @@ impl PyModel {
     /// The first change of the medium of each ray after t_min: see `ModelCrossings`.
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = 0.0, t_max = f64::INFINITY, *,
-        evaluator = None, threads: "int | None" = None
-    ) -> "ModelCrossings", text_signature = "($self, origins, directions, t_min=0.0, t_max=1e999, *, evaluator=None, threads=None)")]
+        evaluator = None, threads: "int | None" = None,
+        device: "Literal['cpu', 'gpu', 'auto']" = "cpu"
+    ) -> "ModelCrossings", text_signature = "($self, origins, directions, t_min=0.0, t_max=1e999, *, evaluator=None, threads=None, device='cpu')")]
+    #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn nearest<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -405,16 +412,19 @@ impl PyModel {
         #[pyo3(from_py_with = time_argument)] t_max: f64,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
+        device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let options = QueryOptions::new(t_min, t_max, evaluator, threads)?;
+        let options = QueryOptions::new(t_min, t_max, evaluator, threads, device)?;
         nearest::nearest(self.engine(origins.py())?, [origins, directions], &options)
     }
 
     /// The pieces of each ray in one medium, from t_min to t_max: see `Partition`.
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
-        evaluator = None, threads: "int | None" = None
-    ) -> "Partition", text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, evaluator=None, threads=None)")]
+        evaluator = None, threads: "int | None" = None,
+        device: "Literal['cpu', 'gpu', 'auto']" = "cpu"
+    ) -> "Partition", text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, evaluator=None, threads=None, device='cpu')")]
+    #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn partition<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -423,23 +433,25 @@ impl PyModel {
         #[pyo3(from_py_with = time_argument)] t_max: f64,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
+        device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (engine, options) =
-            (self.engine(origins.py())?, QueryOptions::new(t_min, t_max, evaluator, threads)?);
+            (self.engine(origins.py())?, QueryOptions::new(t_min, t_max, evaluator, threads, device)?);
         crossings::partition(engine, [origins, directions], &options)
     }
 
     /// Whether points (N, 3) or (3,) are in a medium other than that of the world: bool (N,), or (...) for a grid (..., 3).
     #[pyo3(signature = (
-        points: "ArrayLike", *, evaluator = None, threads: "int | None" = None
+        points: "ArrayLike", *, evaluator = None, threads: "int | None" = None, device: "Literal['cpu', 'gpu', 'auto']" = "cpu"
     ) -> "NDArray[np.bool_]")]
     fn contains<'py>(
         &self,
         points: &Bound<'py, PyAny>,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
+        device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let options = QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads)?;
+        let options = QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads, device)?;
         points::contains(self.engine(points.py())?, points, &options)
     }
 

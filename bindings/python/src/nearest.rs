@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use rayweave::model::{Evaluator, FirstHits, Window};
 
 use crate::answer::{Answer, Rows, take};
-use crate::engine::{BLOCK, Engine, QueryOptions, Worker, run_query};
+use crate::engine::{Engine, QueryOptions, Worker, run_query};
 use crate::layout::{interleave, points_at};
 use crate::rays::{Columns, RayArrays, RayRows};
 
@@ -34,7 +34,8 @@ pub fn nearest<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = rays[0].py();
     let rays = RayArrays::new(rays)?;
-    let (chunking, evaluator) = (options.chunking(rays.len()), engine.chosen(py, options)?);
+    let evaluator = engine.chosen(py, options)?;
+    let chunking = options.chunking(rays.len(), &evaluator);
     let question = Question { engine, rays: rays.rows(), window: options.window };
     let answer = Answer::new(py, engine, [rays.len(); 2])?;
     let done = answer.fill(|mut rows, mut start_inside| {
@@ -59,7 +60,7 @@ impl Question<'_> {
     /// Processes as many rays as there are buffers; `None` if a ray is invalid.
     fn answer(&self, worker: &mut Worker<'_, Scratch>, mut places: Places<'_>) -> Option<()> {
         while places.rows.len() > 0 {
-            let rows = places.rows.take(BLOCK);
+            let rows = places.rows.take(worker.block());
             let (len, first) = (rows.len(), places.first);
             self.block(worker, first, rows, take(&mut places.start_inside, len))?;
             places.first += len;

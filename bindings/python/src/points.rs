@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use rayweave::model::{Evaluator, RegionId};
 
 use crate::arrays::fresh_flags;
-use crate::engine::{BLOCK, Engine, QueryOptions, Worker, inside, run_query};
+use crate::engine::{Engine, QueryOptions, Worker, inside, run_query};
 use crate::error::bad_value;
 use crate::rays::{Columns, Rows, Vectors, invalid_input};
 
@@ -19,8 +19,8 @@ pub fn contains<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = points.py();
     let vectors = Vectors::points(points, "points")?;
-    let (chunking, evaluator, rows) =
-        (options.chunking(vectors.len()), engine.chosen(py, options)?, vectors.rows());
+    let (evaluator, rows) = (engine.chosen(py, options)?, vectors.rows());
+    let chunking = options.chunking(vectors.len(), &evaluator);
     let answer = fresh_flags(py, vectors.len())?;
     let mut flags = answer.try_readwrite().map_err(bad_value)?;
     let mut rest = flags.as_slice_mut().map_err(bad_value)?;
@@ -40,9 +40,10 @@ pub fn contains<'py>(
 
 /// Writes the results of the points from `first` on.
 fn write(worker: &mut PointWorker<'_>, points: Rows<'_>, (first, flags): (usize, &mut [bool])) -> Option<()> {
+    let block = worker.block();
     let (evaluator, (columns, regions)) = (worker.evaluator, &mut worker.scratch);
-    for (k, flags) in flags.chunks_mut(BLOCK).enumerate() {
-        let start = first + k * BLOCK;
+    for (k, flags) in flags.chunks_mut(block).enumerate() {
+        let start = first + k * block;
         let points = columns.points(points, start..start + flags.len())?;
         regions.clear();
         regions.resize(flags.len(), RegionId(0));

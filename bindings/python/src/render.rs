@@ -1,11 +1,14 @@
 //! Pictures of solids and models as arrays.
 
 use std::num::NonZeroUsize;
+use std::sync::Arc;
 
 use numpy::ndarray::{Array2, Array3};
 use numpy::{Element, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use rayweave::device::{Device, DeviceEvaluator, DeviceOptions};
+use rayweave::model::Program;
 use rayweave::picture::{
     CutAway, Explosion, Opacity, Picture, PictureOptions, PictureSheet, SheetKind, WholeModel,
 };
@@ -13,8 +16,9 @@ use rayweave::render::{PixelGrid, Size, Style, View};
 use rayweave::{AnyEvaluator, Message};
 
 use crate::camera::camera_of;
+use crate::device::{device_argument, warn};
 use crate::drawing::{Subject, draw, notebook_png, released};
-use crate::engine::thread_argument;
+use crate::engine::{Engine, thread_argument};
 use crate::error::bad_value;
 use crate::model::PyModel;
 use crate::solid::PySolid;
@@ -34,6 +38,7 @@ pub struct RenderArguments<'py> {
     samples: Option<u32>,
     evaluator: Option<String>,
     threads: Option<Bound<'py, PyAny>>,
+    device: String,
     cut: Option<String>,
     explode: Option<String>,
     /// Names of regions or media, or none for all, with opacities.
@@ -42,31 +47,66 @@ pub struct RenderArguments<'py> {
 
 impl RenderArguments<'_> {
     /// The subject with the requested changes, compiled again if there are any.
-    fn subject(&self, object: &Bound<'_, PyAny>) -> PyResult<Subject> {
-        let mut subject = match self.opacity.is_empty() && self.cut.is_none() && self.explode.is_none() {
-            true => subject_of(object)?,
-            false => self.opened(object, true)?,
-        };
+    fn subject(&self, object: &Bound<'_, PyAny>) -> PyResult<(Subject, Option<DeviceEvaluator>)> {
+        let is_whole = self.opacity.is_empty() && self.cut.is_none() && self.explode.is_none();
+        let mut subject = if is_whole { subject_of(object)? } else { self.opened(object, true)? };
         if let Some(object) = &self.camera {
             subject.scene.camera = Some(camera_of(object)?);
         }
-        if let Some(name) = &self.evaluator {
-            subject.evaluator =
-                AnyEvaluator::new(Some(name), subject.compiled.program.clone()).map_err(bad_value)?;
+        let program = &subject.compiled.program;
+        let device = self.on_device(object, program)?;
+        if let Some(device) = &device {
+            subject.evaluator = device.evaluator().clone();
+        } else if let Some(name) = &self.evaluator {
+            subject.evaluator = AnyEvaluator::new(Some(name), program.clone()).map_err(bad_value)?;
         }
-        Ok(subject)
+        Ok((subject, device))
+    }
+
+    /// The evaluator on the device, if that is not the CPU: the one that the object keeps, if it has the same program.
+    fn on_device(
+        &self,
+        object: &Bound<'_, PyAny>,
+        program: &Arc<Program>,
+    ) -> PyResult<Option<DeviceEvaluator>> {
+        let (py, device) = (object.py(), device_argument(&self.device)?);
+        let name = self.evaluator.as_deref();
+        if device == Device::Cpu {
+            return Ok(None);
+        }
+        let kept = |engine: &Engine| match Arc::ptr_eq(&engine.program, program) {
+            true => engine.on_device(py, device, name).cloned().map(Some),
+            false => Ok(None),
+        };
+        let found = match (object.cast::<PyModel>(), object.cast::<PySolid>()) {
+            (Ok(model), _) => kept(model.get().engine(py)?)?,
+            (_, Ok(solid)) => kept(solid.get().engine(py)?)?,
+            _ => None,
+        };
+        if found.is_some() {
+            return Ok(found);
+        }
+        let options = DeviceOptions { device, adapter: None };
+        let made = py.detach(|| DeviceEvaluator::new(options, name, program.clone())).map_err(bad_value)?;
+        warn(py, made.notice())?;
+        Ok(Some(made))
     }
 
     /// The subject without the cut, if there is one, for the views of a sheet that do not look onto it.
-    fn whole(&self, object: &Bound<'_, PyAny>) -> PyResult<Option<(CutAway, AnyEvaluator)>> {
+    fn whole(
+        &self,
+        object: &Bound<'_, PyAny>,
+    ) -> PyResult<Option<(CutAway, AnyEvaluator, Option<DeviceEvaluator>)>> {
         let Some(cut) = &self.cut else { return Ok(None) };
         let cut = cut.parse().map_err(bad_value)?;
         let Subject { compiled, evaluator, .. } = self.opened(object, false)?;
-        let evaluator = match &self.evaluator {
-            Some(name) => AnyEvaluator::new(Some(name), compiled.program).map_err(bad_value)?,
-            None => evaluator,
+        let device = self.on_device(object, &compiled.program)?;
+        let evaluator = match (&device, &self.evaluator) {
+            (Some(device), _) => device.evaluator().clone(),
+            (None, Some(name)) => AnyEvaluator::new(Some(name), compiled.program).map_err(bad_value)?,
+            (None, None) => evaluator,
         };
-        Ok(Some((cut, evaluator)))
+        Ok(Some((cut, evaluator, device)))
     }
 
     fn opened(&self, object: &Bound<'_, PyAny>, is_cut: bool) -> PyResult<Subject> {
@@ -123,9 +163,11 @@ pub fn render_array<'py>(
     arguments: RenderArguments<'py>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = subject.py();
-    let subject = arguments.subject(subject)?;
+    let (subject, device) = arguments.subject(subject)?;
     let kind = kind.parse().map_err(bad_value)?;
-    to_array(py, draw(py, &subject, kind, &arguments.options()?, arguments.threads()?)?)
+    let picture = draw(py, &subject, kind, &arguments.options()?, arguments.threads()?)?;
+    finish(py, device.as_ref())?;
+    to_array(py, picture)
 }
 
 /// A sheet with pictures of a solid or a model and a legend, as SVG: see `rayweave.sheet`.
@@ -139,19 +181,28 @@ pub fn sheet_svg(
 ) -> PyResult<String> {
     let py = subject.py();
     let whole = if is_one { None } else { arguments.whole(subject)? };
-    let Subject { scene, compiled, evaluator } = &arguments.subject(subject)?;
+    let (Subject { scene, compiled, evaluator }, device) = &arguments.subject(subject)?;
     let kind = if is_one { SheetKind::One } else { SheetKind::Views };
     let options = arguments.options()?;
-    released(py, arguments.threads()?, |run| {
+    let text = released(py, arguments.threads()?, |run| {
         let sheet = match &whole {
-            Some((cut, whole)) => {
+            Some((cut, whole, _)) => {
                 let whole = WholeModel { cut, evaluator: whole };
                 PictureSheet::draw_cut(kind, scene, compiled, evaluator, whole, &options, run)?
             }
             None => PictureSheet::draw(kind, scene, compiled, evaluator, &options, run)?,
         };
         Ok(sheet.to_svg(title))
-    })
+    })?;
+    finish(py, device.as_ref())?;
+    finish(py, whole.as_ref().and_then(|(_, _, device)| device.as_ref()))?;
+    Ok(text)
+}
+
+/// Checks after drawing that the device has answered all queries.
+fn finish(py: Python<'_>, device: Option<&DeviceEvaluator>) -> PyResult<()> {
+    let Some(device) = device else { return Ok(()) };
+    warn(py, device.finish().map_err(bad_value)?.as_deref())
 }
 
 fn to_array(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyAny>> {

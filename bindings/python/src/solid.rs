@@ -43,6 +43,11 @@ use crate::{along, crossings, distance, hits, nearest, occurrences, pickle, poin
 /// them. `evaluator` is "packets" (the default), "weave" (one sweep per ray), "reference" (slow and simple) or
 /// "single_hit" (crossing by crossing); all give bit-identical answers. `threads` is by default the environment
 /// variable RAYWEAVE_THREADS, or the number of cores; answers do not depend on it.
+///
+/// `device` is "cpu", "gpu" (a graphics card, in packages built with the Cargo feature `gpu`; an error if there is none or it cannot
+/// hold the model) or "auto" (a graphics card if there is one that can hold the model, otherwise the CPU, with a warning). The
+/// answers are bit-identical. The solid is compiled for the card once; batches of some 100,000 rays keep it busy. `devices()` lists
+/// the cards.
 #[pyclass(frozen, module = "rayweave", name = "Solid")]
 pub struct PySolid {
     solid: Solid,
@@ -235,8 +240,9 @@ impl PySolid {
     /// fastest if its rows are contiguous. After an error its contents are undefined.
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
-        return_surfaces = false, out = None, evaluator = None, threads: "int | None" = None
-    ), text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, return_surfaces=False, out=None, evaluator=None, threads=None)")]
+        return_surfaces = false, out = None, evaluator = None, threads: "int | None" = None,
+        device: "Literal['cpu', 'gpu', 'auto']" = "cpu"
+    ), text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, return_surfaces=False, out=None, evaluator=None, threads=None, device='cpu')")]
     #[cfg_attr(
         false,
         stub(
@@ -262,16 +268,19 @@ impl PySolid {
         out: Option<&Bound<'py, PyAny>>,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
+        device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let options = QueryOptions::new(t_min, t_max, evaluator, threads)?;
+        let options = QueryOptions::new(t_min, t_max, evaluator, threads, device)?;
         hits::hits(self.engine(origins.py())?, [origins, directions], &options, return_surfaces, out)
     }
 
     /// All crossings of the surface, sorted by ray, then t: see `Crossings`.
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
-        evaluator = None, threads: "int | None" = None
-    ) -> "Crossings", text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, evaluator=None, threads=None)")]
+        evaluator = None, threads: "int | None" = None,
+        device: "Literal['cpu', 'gpu', 'auto']" = "cpu"
+    ) -> "Crossings", text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, evaluator=None, threads=None, device='cpu')")]
+    #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn crossings<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -280,9 +289,10 @@ impl PySolid {
         #[pyo3(from_py_with = time_argument)] t_max: f64,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
+        device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (engine, options) =
-            (self.engine(origins.py())?, QueryOptions::new(t_min, t_max, evaluator, threads)?);
+            (self.engine(origins.py())?, QueryOptions::new(t_min, t_max, evaluator, threads, device)?);
         crossings::crossings(engine, [origins, directions], &options)
     }
 
@@ -308,8 +318,10 @@ impl PySolid {
     /// for point and normal.
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = 0.0, t_max = f64::INFINITY, *,
-        evaluator = None, threads: "int | None" = None
-    ) -> "Crossings", text_signature = "($self, origins, directions, t_min=0.0, t_max=1e999, *, evaluator=None, threads=None)")]
+        evaluator = None, threads: "int | None" = None,
+        device: "Literal['cpu', 'gpu', 'auto']" = "cpu"
+    ) -> "Crossings", text_signature = "($self, origins, directions, t_min=0.0, t_max=1e999, *, evaluator=None, threads=None, device='cpu')")]
+    #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn nearest<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -318,8 +330,9 @@ impl PySolid {
         #[pyo3(from_py_with = time_argument)] t_max: f64,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
+        device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let options = QueryOptions::new(t_min, t_max, evaluator, threads)?;
+        let options = QueryOptions::new(t_min, t_max, evaluator, threads, device)?;
         nearest::nearest(self.engine(origins.py())?, [origins, directions], &options)
     }
 
@@ -356,15 +369,16 @@ impl PySolid {
     /// Whether points (N, 3) or (3,) are inside: bool (N,), or (...) for a grid (..., 3). A point on the surface has the side of
     /// a ray that lies in the surface.
     #[pyo3(signature = (
-        points: "ArrayLike", *, evaluator = None, threads: "int | None" = None
+        points: "ArrayLike", *, evaluator = None, threads: "int | None" = None, device: "Literal['cpu', 'gpu', 'auto']" = "cpu"
     ) -> "NDArray[np.bool_]")]
     fn contains<'py>(
         &self,
         points: &Bound<'py, PyAny>,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
+        device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let options = QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads)?;
+        let options = QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads, device)?;
         points::contains(self.engine(points.py())?, points, &options)
     }
 

@@ -41,6 +41,19 @@ pub enum AdapterKind {
     Software,
 }
 
+impl AdapterKind {
+    /// The class in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            AdapterKind::Discrete => "card",
+            AdapterKind::Integrated => "in the processor",
+            AdapterKind::Virtual => "virtual",
+            AdapterKind::Other => "unknown",
+            AdapterKind::Software => "software",
+        }
+    }
+}
+
 impl Gpu {
     /// Asks the Vulkan drivers of this machine for their adapters, best first.
     pub fn new() -> Gpu {
@@ -194,9 +207,10 @@ impl Device {
         self.check()
     }
 
-    /// An error of the device.
+    /// The first problem that the driver reported or, without one, an error as such a problem.
     pub fn lost(&self, error: &impl std::fmt::Display) -> GpuError {
-        GpuError::Lost { adapter: self.adapter.clone(), reason: one_line(&error.to_string()) }
+        let lost = || GpuError::Lost { adapter: self.adapter.clone(), reason: one_line(&error.to_string()) };
+        self.check().err().unwrap_or_else(lost)
     }
 
     /// Compiles a kernel.
@@ -281,7 +295,11 @@ fn note(place: &Mutex<Option<String>>, reason: &str) {
 
 /// A message of the driver as part of a sentence.
 fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ").trim_end_matches('.').to_owned()
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    match line.trim_end_matches('.') {
+        "" => "the driver gives no reason".to_owned(),
+        line => line.to_owned(),
+    }
 }
 
 /// Runs a future that the native back-ends complete at once.

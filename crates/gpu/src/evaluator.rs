@@ -40,7 +40,7 @@ impl GpuDevice {
         &self.program
     }
 
-    /// What all queries cost so far.
+    /// The costs of all queries so far.
     pub fn report(&self) -> GpuReport {
         self.state().report
     }
@@ -101,5 +101,43 @@ impl RayDevice for GpuDevice {
 
     fn regions_at(&self, points: [&[f64]; 3], out: &mut [RegionId]) -> bool {
         self.ask(|gpu| gpu.regions_at(points, out).map(|report| ((), report))).is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::adapter::Gpu;
+    use rayweave_math::Vec3;
+    use rayweave_model::{Evaluator, Program, RayBatch};
+    use rayweave_shape::Ray;
+    use rayweave_shape::primitive::build;
+    use rayweave_trace::{Accelerated, Packets};
+    use std::sync::Arc;
+
+    /// The CPU answers after the device is lost, and the reason is kept. Skipped with a message where there is no adapter.
+    #[test]
+    fn a_lost_device_is_reported_and_the_cpu_answers() {
+        let gpu = Gpu::new();
+        let adapter = match gpu.adapter(0) {
+            Ok(adapter) => adapter,
+            Err(problem) => return println!("skipped: {problem}"),
+        };
+        let ball = build("sphere", &[("radius", 1.0.into())]).unwrap();
+        let program = Arc::new(Program::compile(&ball.into()).unwrap());
+        let device = Arc::new(GpuDevice::new(GpuProgram::new(adapter, program.clone()).unwrap()));
+        let evaluator = Accelerated::new(program.clone(), device.clone());
+        let rays: RayBatch =
+            (0..50).map(|k| Ray::new(Vec3::new(-5.0, 0.05 * f64::from(k), 0.0), Vec3::X)).collect();
+        let cpu = Packets::new(program).collect(rays.rays(), &Query::default()).unwrap();
+        assert_eq!(evaluator.collect(rays.rays(), &Query::default()).unwrap(), cpu);
+        assert_eq!((device.report().rays, device.problem()), (50, None));
+        device.program().destroy();
+        assert_eq!(evaluator.collect(rays.rays(), &Query::default()).unwrap(), cpu);
+        let problem = device.problem().unwrap();
+        assert!(matches!(problem, GpuError::Lost { .. }), "{problem}");
+        assert!(problem.to_string().contains("was lost: the driver gives no reason"), "{problem}");
+        assert!(evaluator.contains(Vec3::ZERO));
+        assert_eq!(device.report().rays, 50);
     }
 }

@@ -16,6 +16,7 @@ mod flat;
 mod frame;
 mod kernel;
 mod layout;
+mod prepared;
 mod program;
 mod shader;
 mod terms;

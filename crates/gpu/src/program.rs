@@ -7,6 +7,7 @@ use crate::flat::{Flat, MOST_NODES};
 use crate::frame::{Clock, Frame, Route, Sender};
 use crate::kernel::{Answer, Kernel, Slot, Tables};
 use crate::layout::{Layout, magnitude_of};
+use crate::prepared::Others;
 use crate::shader::{self, Entry};
 use crate::terms::Top;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
@@ -22,8 +23,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 mod queries;
-
-use queries::Others;
 
 /// The largest and the smallest number of rays of a batch. A small batch leaves much of a large card idle; a thread prepares and
 /// completes a batch alone, so a query needs at least one batch for each thread.

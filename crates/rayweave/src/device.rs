@@ -124,6 +124,44 @@ impl fmt::Display for DeviceReport {
     }
 }
 
+/// A graphics card.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct DeviceInfo {
+    /// The name that the driver gives.
+    pub name: String,
+    /// The class in words, such as "card" or "software".
+    pub kind: &'static str,
+    /// The driver with its version.
+    pub driver: String,
+    /// The size of the largest table that a kernel can read, in bytes.
+    pub largest_table_bytes: u64,
+    /// True if kernels can compute in double precision.
+    pub has_f64: bool,
+}
+
+/// The graphics cards of this machine, best first; none if no driver is installed.
+///
+/// # Errors
+///
+/// [`DeviceError::NotBuilt`] without the Cargo feature `gpu`.
+pub fn list() -> Result<Vec<DeviceInfo>, DeviceError> {
+    #[cfg(feature = "gpu")]
+    return Ok(Gpu::new()
+        .adapters()
+        .iter()
+        .map(|adapter| DeviceInfo {
+            name: adapter.name().to_owned(),
+            kind: adapter.kind().name(),
+            driver: adapter.driver(),
+            largest_table_bytes: adapter.largest_buffer(),
+            has_f64: adapter.has_f64(),
+        })
+        .collect());
+    #[cfg(not(feature = "gpu"))]
+    return Err(DeviceError::NotBuilt);
+}
+
 /// An evaluator on the chosen device.
 #[derive(Clone, Debug)]
 pub struct DeviceEvaluator {

@@ -4,11 +4,14 @@ mod common;
 
 use common::{art, block, draw, run, shape, size, sphere, weave, weave_of};
 use rayweave_math::Vec3;
-use rayweave_model::{Evaluator, Solid};
+use rayweave_model::{Collected, Evaluator, FirstHits, Query, Rays, RegionId, Solid, Window};
 use rayweave_render::{
     Background, Camera, Image, Light, Lines, RenderError, RenderOptions, Rgba, Run, Size, Style, View, render,
 };
-use rayweave_trace::Weave;
+use rayweave_trace::{Accelerated, RayDevice, Weave};
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const UP: [f64; 3] = [0.0, 0.0, 1.0];
 const BLACK: Rgba = Rgba::opaque(0, 0, 0);
@@ -400,5 +403,75 @@ fn pictures_of_one_pixel_and_one_row() {
         let camera = View::Iso.fit(weave.program(), settings.size);
         let image = draw(&weave, &camera, &settings);
         assert!(image.values().iter().any(|pixel| *pixel != [255; 4]), "{width} x {height}");
+    }
+}
+
+/// A device that prefers batches of a size, counts the rays, and answers no more queries after a number of them.
+#[derive(Debug)]
+struct Counting {
+    weave: Weave,
+    batch: usize,
+    queries: AtomicUsize,
+    most_queries: usize,
+    rays: AtomicUsize,
+}
+
+impl Counting {
+    fn answers(&self, rays: usize) -> bool {
+        let answers = self.queries.fetch_add(1, Ordering::Relaxed) < self.most_queries;
+        self.rays.fetch_add(if answers { rays } else { 0 }, Ordering::Relaxed);
+        answers
+    }
+}
+
+impl RayDevice for Counting {
+    fn batch(&self) -> NonZeroUsize {
+        NonZeroUsize::new(self.batch).unwrap()
+    }
+
+    fn nearest(&self, rays: Rays<'_>, window: Window, hits: &mut FirstHits<'_>) -> bool {
+        let answers = self.answers(rays.len());
+        if answers {
+            self.weave.nearest(rays, window, &mut self.weave.scratch(), hits);
+        }
+        answers
+    }
+
+    fn crossings(&self, rays: Rays<'_>, query: &Query<'_>) -> Option<Collected> {
+        self.answers(rays.len()).then(|| self.weave.collect(rays, query).unwrap())
+    }
+
+    fn regions_at(&self, _: [&[f64]; 3], _: &mut [RegionId]) -> bool {
+        false
+    }
+}
+
+/// Pictures do not depend on the size of tiles that a device prefers, nor on a device that fails.
+#[test]
+fn a_device_changes_no_pixel() {
+    let solids = [sphere(7.3), block([-6.0, -9.0, -6.0], [2.0, 9.0, 1.0])];
+    let camera = Camera::perspective([9.0, -30.0, 12.0], [0.0; 3], UP, 35.0).unwrap();
+    let clear = vec![Rgba::opaque(200, 10, 10), Rgba { alpha: 90, ..BLACK }];
+    for (shadows, colours) in [(false, Vec::new()), (true, Vec::new()), (false, clear)] {
+        let lights = vec![Light::at([4.0, -30.0, 20.0])];
+        let settings = RenderOptions { shadows, lights, colours, ..RenderOptions::new(size(61, 47)) };
+        let weave = weave_of(&solids);
+        let cpu = draw(&weave, &camera, &settings);
+        for (batch, most_queries) in [(1, usize::MAX), (700, usize::MAX), (1 << 16, usize::MAX), (700, 3)] {
+            let (queries, rays) = Default::default();
+            let device = Arc::new(Counting { weave: weave.clone(), batch, queries, most_queries, rays });
+            let program = Arc::new(weave.program().clone());
+            let evaluator = Accelerated::new(program, device.clone());
+            let picture = render(&evaluator, &camera, &settings, &mut run(2)).unwrap();
+            assert!(picture == cpu, "{batch}, {most_queries}");
+            let (queries, rays) =
+                (device.queries.load(Ordering::Relaxed), device.rays.load(Ordering::Relaxed));
+            match (batch, most_queries) {
+                (_, 3) => assert!(rays > 0 && queries > 3, "{rays} rays of {queries} queries"),
+                // all rays of the first pass at once, then those of the edges, each with its shadow rays
+                (65536, _) => assert!(queries <= 6 && rays > 3000, "{rays} rays of {queries} queries"),
+                _ => assert!(rays > 3000, "{rays} rays"),
+            }
+        }
     }
 }

@@ -39,7 +39,7 @@ pub fn tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     counted(workshop, cargo, counts)
 }
 
-/// The tests of the crate for graphics cards, where a Vulkan driver is installed.
+/// The tests of the crate for graphics cards, and of the command with them, where a Vulkan driver is installed.
 pub fn gpu(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let has_driver = |folder: &&str| std::fs::read_dir(folder).is_ok_and(|mut files| files.next().is_some());
     if std::env::var_os("VK_DRIVER_FILES").is_none() && !DRIVERS.iter().any(has_driver) {
@@ -49,9 +49,12 @@ pub fn gpu(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
         counts.skipped += 1;
         return Ok(());
     }
-    let mut cargo = cargo(workshop);
-    cargo.args(["test", "--no-fail-fast", "--package", GPU]);
-    counted(workshop, cargo, counts)
+    let mut library = cargo(workshop);
+    library.args(["test", "--no-fail-fast", "--package", GPU]);
+    counted(workshop, library, counts)?;
+    let mut command = cargo(workshop);
+    command.args(["test", "--package", "rayweave-cli", "--features", "gpu", "--test", "command", "device::"]);
+    counted(workshop, command, counts)
 }
 
 pub fn long_tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {

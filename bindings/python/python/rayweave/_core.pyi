@@ -53,6 +53,7 @@ __all__ = [
     "compare_photons",
     "coordinate_break",
     "count_array",
+    "devices",
     "diff_columns",
     "empty",
     "event_names",
@@ -141,6 +142,12 @@ def check_rows(
     threads: int | None,
 ) -> tuple[list[CheckRow], str, dict[str, float]]:
     """Probable faults of a model, with the unit and the scope of the check: see `rayweave.check`."""
+
+def devices() -> list[dict[str, Any]]:
+    """The graphics cards that can trace rays, best first: a list of dicts with "name", "kind", "driver", "largest_table_bytes" and
+    "f64", whether it computes in double precision. It is empty if no driver is installed. An error in a package that was built
+    without the Cargo feature `gpu`.
+    """
 
 def diff_columns(
     a: Subject,
@@ -311,6 +318,7 @@ class Model:
         out: NDArray[np.float64] | None = None,
         evaluator: str | None = None,
         threads: int | None = None,
+        device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> NDArray[np.float64]:
         """Times at which rays enter and leave the medium of the world: see `Solid.hits`."""
     @overload
@@ -325,6 +333,7 @@ class Model:
         out: NDArray[np.float64] | tuple[NDArray[np.float64], NDArray[np.int32]] | None = None,
         evaluator: str | None = None,
         threads: int | None = None,
+        device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
 
     def crossings(
@@ -336,6 +345,7 @@ class Model:
         *,
         evaluator: str | None = None,
         threads: int | None = None,
+        device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> ModelCrossings:
         """All changes of the medium, sorted by ray, then t: see `ModelCrossings`."""
 
@@ -362,6 +372,7 @@ class Model:
         *,
         evaluator: str | None = None,
         threads: int | None = None,
+        device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> ModelCrossings:
         """The first change of the medium of each ray after t_min: see `ModelCrossings`."""
 
@@ -374,11 +385,17 @@ class Model:
         *,
         evaluator: str | None = None,
         threads: int | None = None,
+        device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> Partition:
         """The pieces of each ray in one medium, from t_min to t_max: see `Partition`."""
 
     def contains(
-        self, points: ArrayLike, *, evaluator: str | None = None, threads: int | None = None
+        self,
+        points: ArrayLike,
+        *,
+        evaluator: str | None = None,
+        threads: int | None = None,
+        device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> NDArray[np.bool_]:
         """Whether points (N, 3) or (3,) are in a medium other than that of the world: bool (N,), or (...) for a grid (..., 3)."""
 
@@ -1444,6 +1461,11 @@ class Solid:
     them. `evaluator` is "packets" (the default), "weave" (one sweep per ray), "reference" (slow and simple) or
     "single_hit" (crossing by crossing); all give bit-identical answers. `threads` is by default the environment
     variable RAYWEAVE_THREADS, or the number of cores; answers do not depend on it.
+
+    `device` is "cpu", "gpu" (a graphics card, in packages built with the Cargo feature `gpu`; an error if there is none or it cannot
+    hold the model) or "auto" (a graphics card if there is one that can hold the model, otherwise the CPU, with a warning). The
+    answers are bit-identical. The solid is compiled for the card once; batches of some 100,000 rays keep it busy. `devices()` lists
+    the cards.
     """
 
     def translate(self, v: ArrayLike, y: float | None = None, z: float | None = None) -> Solid:
@@ -1507,6 +1529,7 @@ class Solid:
         out: NDArray[np.float64] | None = None,
         evaluator: str | None = None,
         threads: int | None = None,
+        device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> NDArray[np.float64]:
         """Times at which rays enter and leave the solid: a float64 array (H, N), or a pair of it and the surfaces.
 
@@ -1531,6 +1554,7 @@ class Solid:
         out: NDArray[np.float64] | tuple[NDArray[np.float64], NDArray[np.int32]] | None = None,
         evaluator: str | None = None,
         threads: int | None = None,
+        device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
 
     def crossings(
@@ -1542,6 +1566,7 @@ class Solid:
         *,
         evaluator: str | None = None,
         threads: int | None = None,
+        device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> Crossings:
         """All crossings of the surface, sorted by ray, then t: see `Crossings`."""
 
@@ -1568,6 +1593,7 @@ class Solid:
         *,
         evaluator: str | None = None,
         threads: int | None = None,
+        device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> Crossings:
         """The first crossing of each ray after t_min: see `Crossings`. A ray that crosses nothing has t = inf, surface = -1, and NaN
         for point and normal.
@@ -1590,7 +1616,12 @@ class Solid:
         """
 
     def contains(
-        self, points: ArrayLike, *, evaluator: str | None = None, threads: int | None = None
+        self,
+        points: ArrayLike,
+        *,
+        evaluator: str | None = None,
+        threads: int | None = None,
+        device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> NDArray[np.bool_]:
         """Whether points (N, 3) or (3,) are inside: bool (N,), or (...) for a grid (..., 3). A point on the surface has the side of
         a ray that lies in the surface.

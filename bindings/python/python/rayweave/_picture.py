@@ -23,6 +23,8 @@ View: TypeAlias = Literal["front", "back", "left", "right", "top", "bottom", "is
 """Directions of view that show the whole model; z is up."""
 Shading: TypeAlias = Literal["gooch", "headlight", "flat"]
 """How surfaces are shaded."""
+Device: TypeAlias = Literal["cpu", "gpu", "auto"]
+"""Devices that answer ray queries, with the same answers: see `Solid`."""
 Opacity: TypeAlias = float | Mapping[str, float]
 """From 0 (clear) to 1 (opaque): of all regions, or by the names of regions or media."""
 
@@ -107,6 +109,7 @@ def render(
     opacity: Opacity | None = None,
     evaluator: str | None = None,
     threads: int | None = None,
+    device: Device = "cpu",
 ) -> Picture: ...
 @overload
 def render(
@@ -126,6 +129,7 @@ def render(
     opacity: Opacity | None = None,
     evaluator: str | None = None,
     threads: int | None = None,
+    device: Device = "cpu",
 ) -> NDArray[np.float64]: ...
 @overload
 def render(
@@ -145,6 +149,7 @@ def render(
     opacity: Opacity | None = None,
     evaluator: str | None = None,
     threads: int | None = None,
+    device: Device = "cpu",
 ) -> NDArray[np.int32]: ...
 @suggesting(width="size=(width, height)", height="size=(width, height)", resolution="size=(width, height)", color="a Region with colour")
 def render(
@@ -164,6 +169,7 @@ def render(
     opacity: Opacity | None = None,
     evaluator: str | None = None,
     threads: int | None = None,
+    device: Device = "cpu",
 ) -> NDArray[Any]:
     """A picture of a solid, a model, or a list or dict of solids, as an array, row by row from the top.
 
@@ -199,7 +205,7 @@ def render(
         Moves the regions apart along this axis, with a gap as a fraction of the model's largest side: "z", "x:0.3".
     opacity
         Makes regions transparent.
-    evaluator, threads
+    evaluator, threads, device
         As in the queries of `Solid`.
 
     Examples
@@ -227,6 +233,7 @@ def render(
         opacity=_opacities(opacity),
         evaluator=evaluator,
         threads=threads,
+        device=device,
     )
     picture: NDArray[Any] = _named(lambda: _core.render(subject, kind, arguments), arguments)
     return picture.view(Picture) if kind == "colour" else picture
@@ -248,6 +255,7 @@ def sheet(
     opacity: Opacity | None = None,
     evaluator: str | None = None,
     threads: int | None = None,
+    device: Device = "cpu",
 ) -> Drawing:
     """A sheet of paper with a model from several sides and a legend of its media; a notebook shows it.
 
@@ -263,7 +271,7 @@ def sheet(
         Only this view, with the legend.
     size
         Width and height of the sheet in pixels; 1280 x 960, or 1280 x 720 of one view.
-    shading, edges, shadows, samples, cut, explode, opacity, evaluator, threads
+    shading, edges, shadows, samples, cut, explode, opacity, evaluator, threads, device
         As in `render`.
 
     Examples
@@ -285,6 +293,7 @@ def sheet(
         opacity=_opacities(opacity),
         evaluator=evaluator,
         threads=threads,
+        device=device,
     )
     return Drawing(_named(lambda: _core.sheet_svg(subject, title, view is not None, arguments), arguments))
 
@@ -302,6 +311,7 @@ _WANTED = {
     "explode": "a text such as 'z'",
     "opacity": "a number, or a dict of numbers",
     "evaluator": "the name of an evaluator",
+    "device": "the name of a device",
 }
 
 T = TypeVar("T")

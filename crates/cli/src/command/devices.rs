@@ -3,7 +3,8 @@
 use crate::failure::Failure;
 use crate::terminal;
 use clap::Args;
-use rayweave::gpu::{Adapter, AdapterKind, Gpu, GpuError};
+use rayweave::device::{self, DeviceInfo};
+use rayweave::gpu::GpuError;
 use serde_json::json;
 
 /// List the graphics cards that can trace rays, best first
@@ -16,47 +17,37 @@ pub struct Devices {
 
 impl Devices {
     pub fn run(&self) -> Result<(), Failure> {
-        let gpu = Gpu::new();
-        if gpu.adapters().is_empty() {
+        let devices = device::list()?;
+        if devices.is_empty() {
             return Err(Failure::Run(GpuError::NoAdapter.to_string()));
         }
         if self.json {
-            let list: Vec<_> = gpu.adapters().iter().map(as_json).collect();
+            let list: Vec<_> = devices.iter().map(as_json).collect();
             return terminal::print(&format!("{:#}\n", json!(list)));
         }
-        let rows: Vec<Vec<String>> = gpu.adapters().iter().enumerate().map(row).collect();
+        let rows: Vec<Vec<String>> = devices.iter().enumerate().map(row).collect();
         let header = ["number", "device", "kind", "driver", "largest table, MB", "f64"];
         terminal::print(&terminal::table(&header, &rows, &[true, false, false, false, true, false]))
     }
 }
 
-fn kind(adapter: &Adapter) -> &'static str {
-    match adapter.kind() {
-        AdapterKind::Discrete => "card",
-        AdapterKind::Integrated => "in the processor",
-        AdapterKind::Virtual => "virtual",
-        AdapterKind::Other => "unknown",
-        AdapterKind::Software => "software",
-    }
-}
-
-fn row((number, adapter): (usize, &Adapter)) -> Vec<String> {
+fn row((number, device): (usize, &DeviceInfo)) -> Vec<String> {
     vec![
         number.to_string(),
-        adapter.name().to_owned(),
-        kind(adapter).to_owned(),
-        adapter.driver(),
-        (adapter.largest_buffer() / 1_000_000).to_string(),
-        if adapter.has_f64() { "yes" } else { "no" }.to_owned(),
+        device.name.clone(),
+        device.kind.to_owned(),
+        device.driver.clone(),
+        (device.largest_table_bytes / 1_000_000).to_string(),
+        if device.has_f64 { "yes" } else { "no" }.to_owned(),
     ]
 }
 
-fn as_json(adapter: &Adapter) -> serde_json::Value {
+fn as_json(device: &DeviceInfo) -> serde_json::Value {
     json!({
-        "name": adapter.name(),
-        "kind": kind(adapter),
-        "driver": adapter.driver(),
-        "largest_table_bytes": adapter.largest_buffer(),
-        "f64": adapter.has_f64(),
+        "name": device.name,
+        "kind": device.kind,
+        "driver": device.driver,
+        "largest_table_bytes": device.largest_table_bytes,
+        "f64": device.has_f64,
     })
 }

@@ -114,6 +114,8 @@ impl Bench {
         command
             .current_dir(&self.folder)
             .env_remove("RAYWEAVE_THREADS")
+            // Mesa's layer that selects devices writes to standard error where there is no desktop session
+            .env("NODEVICE_SELECT", "1")
             .args(arguments)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())

@@ -8,12 +8,12 @@ const RENDER: [&str; 6] = ["render", "ball.toml", "-o", "out.png", "--size", "60
 #[test]
 fn wrong_arguments_of_devices() {
     let bench = Bench::new();
-    let with = |options: &[&str]| [&RENDER, options].concat();
-    let said = bench.fails(2, &with(&["--device", "gpu", "--evaluator", "weave"]));
+    let fails = |options: &[&str]| bench.fails(2, &[&RENDER, options].concat());
+    let said = fails(&["--device", "gpu", "--evaluator", "weave"]);
     assert!(said.contains("evaluators are algorithms of the CPU"), "{said}");
-    let said = bench.fails(2, &with(&["--adapter", "0"]));
+    let said = fails(&["--adapter", "0"]);
     assert!(said.contains("add --device gpu"), "{said}");
-    let said = bench.fails(2, &with(&["--device", "gpus"]));
+    let said = fails(&["--device", "gpus"]);
     assert!(said.contains("[possible values: cpu, gpu, auto]"), "{said}");
     assert_eq!(bench.files(), ["ball.toml", "cemented.toml"]);
 }
@@ -82,6 +82,39 @@ mod with_the_feature {
                 assert!(said.contains("rays uncertain") && !said.contains(" of 0 rays"), "{said}");
                 assert!(!said.contains("contradicted"), "{said}");
             }
+        }
+    }
+
+    #[test]
+    fn tables_have_the_bytes_of_the_cpu() {
+        let bench = Bench::new();
+        if !has_adapter(&bench) {
+            return;
+        }
+        // from outside and inside, beside the ball, along an edge of the boxes, and from afar
+        let ray = |k: usize| {
+            let (y, z) = ((k % 41) as f64 / 20.0 - 1.0, (k / 41) as f64 / 20.0 - 1.0);
+            let x = [-5.0, 0.5, -1e6][k % 3];
+            format!("{x},{y},{z},{},{},0.1\n", if k.is_multiple_of(7) { 0.0 } else { 1.0 }, z / 3.0)
+        };
+        let rays = (0..1681).map(ray).collect::<String>();
+        bench.write("rays.csv", format!("ox,oy,oz,dx,dy,dz\n{rays}"));
+        for options in [&["--nearest"][..], &["--t-min", "-3", "--t-max", "6"], &["--occurrence"]] {
+            let table = |out: &str, device: &[&str]| {
+                let files = ["trace", "cemented.toml", "--rays", "rays.csv", "-o", out];
+                let said = bench.says(&[&files, options, device].concat());
+                (bench.bytes(out), said)
+            };
+            let (cpu, first) = table("cpu.csv", &[]);
+            let (gpu, said) = table("gpu.csv", &["--device", "gpu"]);
+            assert!(cpu == gpu, "{options:?}");
+            let share = said.lines().nth(1).unwrap();
+            assert!(share.starts_with("GPU: ") && share.contains(" of 1681 rays uncertain"), "{said}");
+            assert_eq!(
+                first.lines().next().map(|line| line.replace("cpu", "gpu")).as_deref(),
+                said.lines().next()
+            );
+            println!("{options:?}: {said}");
         }
     }
 

@@ -12,7 +12,7 @@ use rayweave_model::{
 use rayweave_shape::Ray;
 use std::num::NonZeroUsize;
 use std::ops::Range;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, PoisonError};
 
 /// The bit of the first word of an answer for a ray with more crossings than rows.
 const MORE: u32 = 1 << 28;
@@ -20,14 +20,6 @@ const MORE: u32 = 1 << 28;
 /// The direction of the rays that start at points whose region is asked for. Any is valid; this unit vector is parallel to no
 /// axis, diagonal or coordinate plane, along which models have most of their faces.
 const DIRECTION: Vec3 = Vec3::new(0.48, 0.6, 0.64);
-
-/// Kernels that are compiled when they are first used.
-#[derive(Debug, Default)]
-pub(super) struct Others {
-    first: Mutex<Option<(Entry, Arc<Kernel>)>>,
-    all: Mutex<Option<(Entry, Arc<Kernel>)>>,
-    start: Mutex<Option<(Entry, Arc<Kernel>)>>,
-}
 
 impl GpuProgram {
     /// All crossings after t = 0 of every ray: [`GpuProgram::collect`] with the window from 0 on.
@@ -136,6 +128,12 @@ impl GpuProgram {
         self.cpu.regions_at(again.each_ref().map(Vec::as_slice), scratch, &mut regions);
         worker.again.iter().zip(regions).for_each(|(&i, region)| out[i] = region);
         Ok(report)
+    }
+
+    /// Destroys the device, as if its driver had been lost.
+    #[cfg(test)]
+    pub(crate) fn destroy(&self) {
+        self.kernel.device().device.destroy();
     }
 
     /// The kernel with an entry point, compiled unless it was the last of its kind.

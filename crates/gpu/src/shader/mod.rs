@@ -11,7 +11,7 @@ pub(crate) const ARITHMETIC: &str = include_str!("arithmetic.wgsl");
 /// Threads of a workgroup.
 pub(crate) const WORKGROUP: u32 = 64;
 
-/// What the shader computes of each ray.
+/// The answer that the shader computes for each ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Entry {
     /// The first crossing, in one row.
