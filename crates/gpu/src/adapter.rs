@@ -210,6 +210,8 @@ impl Device {
     /// The first problem that the driver reported or, without one, an error as such a problem.
     pub fn lost(&self, error: &impl std::fmt::Display) -> GpuError {
         let lost = || GpuError::Lost { adapter: self.adapter.clone(), reason: one_line(&error.to_string()) };
+        // a lost device is reported while the device is polled; without an error there
+        let _ = self.device.poll(wgpu::PollType::Poll);
         self.check().err().unwrap_or_else(lost)
     }
 
