@@ -1,9 +1,9 @@
 //! Names of leaves and their faces, stored once for all leaves with equal names.
 
 use crate::number_map::NumberMap;
+use foldhash::HashMap;
+use foldhash::quality::RandomState;
 use std::borrow::Cow;
-use std::collections::HashMap;
-use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
 use std::sync::Arc;
 

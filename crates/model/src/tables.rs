@@ -9,11 +9,11 @@ use crate::lower::{Content, Group, Part};
 use crate::program::SurfaceEntry;
 use crate::simplify::{Formula, Observer, bounds, leaf_needs, output_bounds, prepare_observed};
 use crate::{Ball, CompileError, CompileProblem, Expression, PrototypeId, SurfaceId};
+use foldhash::HashMap;
 use rayweave_math::{Bounds, Transform, Vec3};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::Primitive;
 use rayweave_shape::surface::{Surface, share};
-use std::collections::HashMap;
 use std::num::NonZeroUsize;
 
 /// The leaves and surfaces of a group.

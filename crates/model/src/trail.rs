@@ -4,7 +4,7 @@
 //! of a placed solid share one, whatever their number.
 
 use crate::copies::CopyLabel;
-use std::collections::HashMap;
+use foldhash::HashMap;
 use std::sync::Arc;
 
 /// The parent of a node at the top of its group.
@@ -214,7 +214,7 @@ fn next<K: std::hash::Hash + Eq, N: Copy + Default + std::ops::AddAssign>(
 
 /// For each copy the number of copies before it with the same number; `None` if all numbers differ.
 fn ordinals(label: &CopyLabel, count: usize) -> Option<Box<[u32]>> {
-    let mut seen: HashMap<Option<i64>, u32> = HashMap::with_capacity(count);
+    let mut seen: HashMap<Option<i64>, u32> = HashMap::with_capacity_and_hasher(count, Default::default());
     let ordinals: Box<[u32]> = (0..count).map(|k| next(&mut seen, label.number(k, count), 1)).collect();
     (seen.len() < count).then_some(ordinals)
 }

@@ -2,9 +2,10 @@
 
 use super::fold::{Folded, fold_join};
 use super::formula::{Formula, Renumbered, Term};
+use crate::number_map::NumberMap;
 use crate::{Edge, LeafId, NodeId};
-use std::collections::HashMap;
-use std::hash::{BuildHasher, RandomState};
+use foldhash::quality::RandomState;
+use std::hash::BuildHasher;
 
 /// Stores equal sub-formulas once; keeps the value.
 ///
@@ -44,7 +45,7 @@ pub fn share(formula: &Formula) -> Formula {
 struct Shared {
     out: Formula,
     hasher: RandomState,
-    newest: HashMap<u64, NodeId>,
+    newest: NumberMap<u64, NodeId>,
     /// For each node the previous one with the same hash; node 0 ends the chain.
     older: Vec<NodeId>,
     /// The node of each leaf; node 0 if there is none yet.

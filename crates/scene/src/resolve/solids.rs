@@ -14,10 +14,11 @@ use crate::keys::{EXTRUDE, REVOLVE};
 use crate::number::Number;
 use crate::source::{Span, Spanned};
 use crate::suggestion::did_you_mean;
+use foldhash::HashMap;
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::{Copies, Solid};
 use rayweave_shape::primitive::{Primitive, ShapeError, build as build_shape};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Body, transforms and label of a solid.

@@ -10,8 +10,8 @@
 use super::foreign::with_comment;
 use crate::datum::Datum;
 use crate::source::{Source, Span, Spanned};
+use foldhash::quality::RandomState;
 use std::collections::HashMap;
-use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
 use std::ops::Range;
 
