@@ -311,7 +311,7 @@ pub struct SamplingArguments {
 
     /// Trace at most this many rays for a region, or for all regions together in a model of more than 32 regions; a first round for all
     /// regions does not count
-    #[arg(long, value_name = "N", default_value_t = 1 << 24)]
+    #[arg(long, value_name = "N", default_value_t = 1 << 24, value_parser = whole_number)]
     pub rays: u64,
 
     /// Seed of random numbers
