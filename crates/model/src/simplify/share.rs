@@ -2,9 +2,9 @@
 
 use super::fold::{Folded, fold_join};
 use super::formula::{Formula, Renumbered, Term};
+use crate::name_map::NameState;
 use crate::number_map::NumberMap;
 use crate::{Edge, LeafId, NodeId};
-use foldhash::quality::RandomState;
 use std::hash::BuildHasher;
 
 /// Stores equal sub-formulas once; keeps the value.
@@ -44,7 +44,7 @@ pub fn share(formula: &Formula) -> Formula {
 #[derive(Default)]
 struct Shared {
     out: Formula,
-    hasher: RandomState,
+    hasher: NameState,
     newest: NumberMap<u64, NodeId>,
     /// For each node the previous one with the same hash; node 0 ends the chain.
     older: Vec<NodeId>,
