@@ -84,7 +84,7 @@ def test_open_meshes_and_units(tmp_path: Path) -> None:
         rayweave.load(path)
     mended = rayweave.load(path, repair=True, unit="in")
     assert mended.unit == "in"
-    assert any("1 plane holes filled" in warning for warning in mended.warnings)
+    assert any("1 plane hole filled" in warning for warning in mended.warnings)
     assert mended.contains([[0.1, 0.1, 0.1], [0.5, 0.5, 0.5]]).tolist() == [True, False]
     with pytest.raises(rayweave.RayweaveError, match="unknown unit"):
         rayweave.load(path, unit="furlong")

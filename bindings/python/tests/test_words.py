@@ -202,3 +202,26 @@ def test_mistakes_of_a_first_day(call, kind, message):
     model = rw.Model([rw.Region("insert", rw.box(2), medium="steel")])
     with pytest.raises(kind, match=message):
         call(model)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda s: s.hits([0, 0, -3], [0, 0, 1], tmax=5), "Did you mean t_max?"),
+        (lambda s: s.nearest([0, 0, -3], [0, 0, 1], t_mx=5), "Did you mean t_max?"),
+        (lambda s: s.crossings([0, 0, -3], [0, 0, 1], tmin=5), "Did you mean t_min?"),
+        (lambda s: s.contains([0, 0, -3], thread=2), "Did you mean threads?"),
+        (lambda s: s.distance([0, 0, -3], precison=2), "Did you mean precision?"),
+        (lambda s: rw.Model({"a": s}).partition([0, 0, -3], [0, 0, 1], tmax=5), "Did you mean t_max?"),
+    ],
+)
+def test_keywords_of_queries_are_suggested(call, message):
+    with pytest.raises(TypeError) as raised:
+        call(A)
+    assert message in str(raised.value)
+
+
+def test_queries_keep_their_texts_and_other_errors():
+    assert rw.Solid.hits.__doc__ and rw.Solid.hits.__name__ == "hits"
+    with pytest.raises(TypeError, match="missing 1 required positional argument"):
+        A.hits([0, 0, -3])

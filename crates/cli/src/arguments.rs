@@ -103,7 +103,11 @@ fn standard_input() -> Result<String, Failure> {
 impl ModelArguments {
     /// Reads the model file for a result that depends on all of its geometry. Warnings go to standard error.
     pub fn load(&self) -> Result<Scene, Failure> {
-        self.all_of(&self.model, self.import_scene_only()?).map(|imported| imported.scene)
+        let scene = self.all_of(&self.model, self.import_scene_only()?)?.scene;
+        // handles that are never dropped: at the end of the program, the system frees the nodes of a large model faster than their
+        // destructors do
+        scene.regions.iter().for_each(|region| std::mem::forget(region.solid.clone()));
+        Ok(scene)
     }
 
     /// Reads the model file like [`load`](Self::load), for answers about one of its solids or about its regions. Without a solid the
@@ -307,7 +311,7 @@ pub struct SamplingArguments {
 
     /// Trace at most this many rays for a region, or for all regions together in a model of more than 32 regions; a first round for all
     /// regions does not count
-    #[arg(long, value_name = "N", default_value_t = 1 << 24)]
+    #[arg(long, value_name = "N", default_value_t = 1 << 24, value_parser = whole_number)]
     pub rays: u64,
 
     /// Seed of random numbers

@@ -248,9 +248,9 @@ impl<'a> Import<'a> {
     }
 
     fn report_repairs(&mut self, what: &str, done: &Repair) {
-        for (count, repair) in done.summary() {
-            let warning = Diagnostic::warning(format!("{what} was repaired: {count} {repair}"));
-            self.report.add(LossKind::Approximated, repair, warning.in_file(self.source));
+        for (repair, kind) in done.summary() {
+            let warning = Diagnostic::warning(format!("{what} was repaired: {repair}"));
+            self.report.add(LossKind::Approximated, kind, warning.in_file(self.source));
         }
     }
 }

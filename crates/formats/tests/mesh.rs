@@ -168,7 +168,7 @@ fn open_meshes_are_errors_with_position_unless_repaired() {
     let expected = ["duplicate triangles removed", "plane holes filled", "triangles reversed"];
     assert_eq!(done, expected.map(|what| (LossKind::Approximated, what)));
     let warnings = imported.scene.warnings.to_string();
-    assert!(warnings.contains("the mesh was repaired: 1 plane holes filled"), "{warnings}");
+    assert!(warnings.contains("the mesh was repaired: 1 plane hole filled"), "{warnings}");
 }
 
 #[test]

@@ -53,16 +53,26 @@ pub struct Repair {
 }
 
 impl Repair {
-    /// The changes with their numbers, as texts; kinds of changes that did not occur are left out.
-    pub fn summary(&self) -> impl Iterator<Item = (usize, &'static str)> {
+    /// The changes as texts, such as `1 plane hole filled`, each with its kind, `plane holes filled`; kinds of changes that did not
+    /// occur are left out.
+    pub fn summary(&self) -> impl Iterator<Item = (String, &'static str)> {
         let all = [
-            (self.welded, "vertices merged"),
-            (self.collapsed, "triangles without three corners removed"),
-            (self.duplicates, "duplicate triangles removed"),
-            (self.filled, "plane holes filled"),
-            (self.reversed, "triangles reversed"),
+            (self.welded, "vertex merged", "vertices merged"),
+            (
+                self.collapsed,
+                "triangle without three corners removed",
+                "triangles without three corners removed",
+            ),
+            (self.duplicates, "duplicate triangle removed", "duplicate triangles removed"),
+            (self.filled, "plane hole filled", "plane holes filled"),
+            (self.reversed, "triangle reversed", "triangles reversed"),
         ];
-        all.into_iter().filter(|(count, _)| *count > 0)
+        let text = |(count, one, several)| match count {
+            0 => None,
+            1 => Some((format!("1 {one}"), several)),
+            count => Some((format!("{count} {several}"), several)),
+        };
+        all.into_iter().filter_map(text)
     }
 }
 

@@ -7,6 +7,7 @@ use crate::leaf::LeafTable;
 use crate::lower::{Content, Group, lower};
 use crate::program::{Program, Prototype, RegionInfo, SurfaceEntry};
 use crate::simplify::Observer;
+use crate::size::{FOR_FILES, FOR_PROGRAMS, LeafLimit};
 use crate::tables::Tables;
 use crate::trail::Trail;
 use crate::{CompileError, Region, Solid};
@@ -15,12 +16,18 @@ impl Program {
     /// Compiles one solid. Its inside is region 1 of medium 1, its outside the world.
     pub fn compile(solid: &Solid) -> Result<Program, CompileError> {
         let regions = vec![RegionInfo { name: solid_name(solid), medium: 1 }];
-        compile(&[solid], regions, |_, _| ())
+        compile(&[solid], regions, &FOR_PROGRAMS, |_, _| ())
     }
 
     /// Compiles an ordered list of regions: where they overlap, the later one has priority.
     pub fn compile_regions(regions: &[Region]) -> Result<Program, CompileError> {
-        compile_observed(regions, |_, _| ())
+        compile_limited(regions, &FOR_PROGRAMS, |_, _| ())
+    }
+
+    /// Compiles the regions of a model file like [`compile_regions`](Program::compile_regions), with the limit of
+    /// [`check_repetition`](crate::check_repetition) on repeated solids.
+    pub fn compile_file_regions(regions: &[Region]) -> Result<Program, CompileError> {
+        compile_limited(regions, &FOR_FILES, |_, _| ())
     }
 }
 
@@ -30,9 +37,17 @@ pub(crate) fn compile_observed<W: Observer>(
     regions: &[Region],
     observer: impl FnMut(usize, &Group) -> W,
 ) -> Result<Program, CompileError> {
+    compile_limited(regions, &FOR_PROGRAMS, observer)
+}
+
+fn compile_limited<W: Observer>(
+    regions: &[Region],
+    limit: &LeafLimit,
+    observer: impl FnMut(usize, &Group) -> W,
+) -> Result<Program, CompileError> {
     let solids: Vec<&Solid> = regions.iter().map(|region| &region.solid).collect();
     let infos = regions.iter().map(|r| RegionInfo { name: r.name.clone(), medium: r.medium }).collect();
-    compile(&solids, infos, observer)
+    compile(&solids, infos, limit, observer)
 }
 
 fn solid_name(solid: &Solid) -> String {
@@ -45,9 +60,10 @@ fn solid_name(solid: &Solid) -> String {
 fn compile<W: Observer>(
     solids: &[&Solid],
     regions: Vec<RegionInfo>,
+    limit: &LeafLimit,
     mut observer: impl FnMut(usize, &Group) -> W,
 ) -> Result<Program, CompileError> {
-    let groups = lower(solids)?;
+    let groups = lower(solids, limit)?;
     let order = inner_first(&groups);
     let mut compiler = Compiler { labels: Labels::default(), done: groups.iter().map(|_| None).collect() };
     // leaf and surface numbers run group by group with the model first, not in the order of compilation

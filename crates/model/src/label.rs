@@ -1,9 +1,8 @@
 //! Names of leaves and their faces, stored once for all leaves with equal names.
 
+use crate::name_map::{NameMap, NameState};
 use crate::number_map::NumberMap;
 use std::borrow::Cow;
-use std::collections::HashMap;
-use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
 use std::sync::Arc;
 
@@ -29,13 +28,13 @@ impl Label {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Labels {
     labels: Vec<Label>,
-    hasher: RandomState,
+    hasher: NameState,
     /// For each hash the last label with it.
     newest: NumberMap<u64, u32>,
     /// For each label the one before it with the same hash; itself if there is none.
     older: Vec<u32>,
     /// The distinct lists of face names.
-    faces: HashMap<Arc<[Cow<'static, str>]>, ()>,
+    faces: NameMap<Arc<[Cow<'static, str>]>, ()>,
 }
 
 impl Labels {

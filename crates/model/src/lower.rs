@@ -7,12 +7,11 @@ use crate::drive::Cancel;
 use crate::leaf::MAX_LEAVES;
 use crate::number_map::NumberMap;
 use crate::simplify::{Formula, Op};
-use crate::size;
+use crate::size::LeafLimit;
 use crate::trail::{Naming, TOP, Trail, TrailBuilder};
 use crate::{CompileError, CompileProblem, Copies, Edge, LeafId, Node, PrototypeId, Solid};
 use rayweave_math::{Affine, CompactAffine};
 use rayweave_shape::primitive::Primitive;
-use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A group of leaves in one frame, with the solids that are its outputs.
@@ -20,7 +19,7 @@ pub(crate) struct Group<'a> {
     /// The unsimplified formula, with one output per solid.
     pub formula: Formula,
     /// Names of compound solids, by the node number in the formula.
-    pub names: HashMap<u32, Arc<str>>,
+    pub names: NumberMap<u32, Arc<str>>,
     /// Leaves, or runs of instances, in order.
     pub parts: Vec<Part<'a>>,
     pub leaf_count: usize,
@@ -100,8 +99,8 @@ pub(crate) enum Content<'a> {
 }
 
 /// Lowers solids, and all solids placed in them, to groups. The first group is the model itself.
-pub(crate) fn lower<'a>(solids: &[&'a Solid]) -> Result<Vec<Group<'a>>, CompileError> {
-    size::check(solids)?;
+pub(crate) fn lower<'a>(solids: &[&'a Solid], limit: &LeafLimit) -> Result<Vec<Group<'a>>, CompileError> {
+    limit.check(solids)?;
     let cancel = Cancel::current();
     let mut prototypes = Prototypes::default();
     let mut groups = vec![Lowering::new(&mut prototypes, false).run(solids, &cancel)?];
@@ -115,7 +114,7 @@ pub(crate) fn lower<'a>(solids: &[&'a Solid]) -> Result<Vec<Group<'a>>, CompileE
 /// The placed solids found so far, each once; number k is group k + 1.
 #[derive(Default)]
 struct Prototypes<'a> {
-    known: HashMap<usize, PrototypeId>,
+    known: NumberMap<usize, PrototypeId>,
     solids: Vec<&'a Solid>,
 }
 
@@ -154,7 +153,6 @@ struct Frame {
     complemented: bool,
     /// The index of its first operand.
     first: usize,
-    key: Option<Key>,
     name: Option<Arc<str>>,
 }
 
@@ -164,20 +162,19 @@ struct Visit<'a> {
     solid: &'a Solid,
     context: u32,
     complemented: bool,
-    /// True if the same node may be visited again in this context: the node itself, or a map, name or
-    /// complement around it, has more than one handle.
-    shared: bool,
 }
 
 enum Task<'a> {
     Visit(Visit<'a>),
+    /// The end of the visit to a node with several handles, whose operand is the last one.
+    Record(Visit<'a>),
     Close,
 }
 
 struct Lowering<'p, 'a> {
     prototypes: &'p mut Prototypes<'a>,
     formula: Formula,
-    names: HashMap<u32, Arc<str>>,
+    names: NumberMap<u32, Arc<str>>,
     parts: Vec<Part<'a>>,
     leaf_count: usize,
     contexts: Vec<Context<'a>>,
@@ -187,8 +184,8 @@ struct Lowering<'p, 'a> {
     /// The context of the name of the whole group; 0 if there is none.
     own: u32,
     leaf_names: LeafNames,
-    context_of: NumberMap<(u32, usize), u32>,
-    leaf_of: NumberMap<Key, Edge>,
+    /// The edges of the nodes with several handles, which may be visited again in the same context. All others are visited once
+    /// in each context around them.
     done: NumberMap<Key, Edge>,
     tasks: Vec<Task<'a>>,
     frames: Vec<Frame>,
@@ -202,7 +199,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
         Lowering {
             prototypes,
             formula: Formula::default(),
-            names: HashMap::new(),
+            names: NumberMap::default(),
             parts: Vec::new(),
             leaf_count: 0,
             contexts: vec![root],
@@ -210,8 +207,6 @@ impl<'p, 'a> Lowering<'p, 'a> {
             at_root: is_placed,
             own: 0,
             leaf_names: LeafNames::default(),
-            context_of: NumberMap::default(),
-            leaf_of: NumberMap::default(),
             done: NumberMap::default(),
             tasks: Vec::new(),
             frames: Vec::new(),
@@ -227,12 +222,13 @@ impl<'p, 'a> Lowering<'p, 'a> {
             }
             match task {
                 Task::Visit(visit) => self.visit(visit)?,
+                Task::Record(visit) => self.record(visit),
                 Task::Close => self.close(),
             }
         }
         self.operands.iter().for_each(|&output| self.formula.add_output(output));
         // the trail takes memory too
-        (self.context_of, self.leaf_of, self.done) = Default::default();
+        self.done = Default::default();
         let Lowering { formula, names, parts, leaf_count, contexts, maps, own, .. } = self;
         let trail = trail(&contexts, &parts, own);
         Ok(Group { formula, names, parts, leaf_count, trail, contexts, maps })
@@ -240,14 +236,21 @@ impl<'p, 'a> Lowering<'p, 'a> {
 
     /// Pushes operands onto the stack in reverse, so that they are visited in order.
     fn visit_all(&mut self, operands: impl DoubleEndedIterator<Item = &'a Solid>, context: u32) {
-        let visit =
-            |solid: &'a Solid| Visit { solid, context, complemented: false, shared: solid.is_shared() };
+        let visit = |solid: &'a Solid| Visit { solid, context, complemented: false };
         self.tasks.extend(operands.rev().map(|solid| Task::Visit(visit(solid))));
     }
 
+    /// Visits a node, or reuses the edge of a visit to it in the same context.
     fn visit(&mut self, visit: Visit<'a>) -> Result<(), CompileError> {
-        let Visit { solid, complemented, .. } = visit;
+        let Visit { solid, context, complemented } = visit;
         let at_root = std::mem::take(&mut self.at_root);
+        if solid.is_shared() {
+            if let Some(&edge) = self.done.get(&(solid.address(), context)) {
+                self.operand(edge, complemented);
+                return Ok(());
+            }
+            self.tasks.push(Task::Record(visit));
+        }
         match solid.node() {
             Node::Empty => self.operand(Edge::EMPTY, complemented),
             Node::Universe => self.operand(Edge::UNIVERSE, complemented),
@@ -279,28 +282,28 @@ impl<'p, 'a> Lowering<'p, 'a> {
         self.operands.push(if complemented { edge.complement() } else { edge });
     }
 
-    /// Continues with the only operand of a map, name or complement, which is not a node of the formula.
-    fn pass(&mut self, inner: &'a Solid, visit: Visit<'a>) {
-        let shared = visit.shared || inner.is_shared();
-        self.tasks.push(Task::Visit(Visit { solid: inner, shared, ..visit }));
+    fn record(&mut self, Visit { solid, context, complemented }: Visit<'a>) {
+        if let Some(&edge) = self.operands.last() {
+            self.done.insert((solid.address(), context), if complemented { edge.complement() } else { edge });
+        }
     }
 
-    /// Reuses the edge of an operator that was visited before in this context, else opens a frame for it.
+    /// Continues with the only operand of a map, name or complement, which is not a node of the formula.
+    fn pass(&mut self, inner: &'a Solid, visit: Visit<'a>) {
+        self.tasks.push(Task::Visit(Visit { solid: inner, ..visit }));
+    }
+
+    /// Opens a frame for an operator.
     fn join(&mut self, op: Op, visit: Visit<'a>, operands: impl DoubleEndedIterator<Item = &'a Solid>) {
-        let Visit { solid, context, complemented, shared } = visit;
-        let name = self.undirect(context);
-        let key = (solid.address(), context);
-        if let Some(&edge) = shared.then(|| self.done.get(&key)).flatten() {
-            return self.operand(edge, complemented);
-        }
-        let (first, key) = (self.operands.len(), shared.then_some(key));
-        self.frames.push(Frame { op, complemented, first, key, name });
+        let Visit { context, complemented, .. } = visit;
+        let (name, first) = (self.undirect(context), self.operands.len());
+        self.frames.push(Frame { op, complemented, first, name });
         self.tasks.push(Task::Close);
         self.visit_all(operands, context);
     }
 
     fn close(&mut self) {
-        let Some(Frame { op, complemented, first, key, name }) = self.frames.pop() else {
+        let Some(Frame { op, complemented, first, name }) = self.frames.pop() else {
             return;
         };
         let edge = self.formula.join(op, &self.operands[first..]);
@@ -308,26 +311,15 @@ impl<'p, 'a> Lowering<'p, 'a> {
         if let Some(name) = name {
             self.names.insert(edge.node().0, name);
         }
-        if let Some(key) = key {
-            self.done.insert(key, edge);
-        }
         self.operand(edge, complemented);
     }
 
     fn shape(&mut self, visit: Visit<'a>, primitive: &'a Primitive) -> Result<(), CompileError> {
-        let Visit { solid, context, complemented, shared } = visit;
-        let key = (solid.address(), context);
-        if let Some(&known) = shared.then(|| self.leaf_of.get(&key)).flatten() {
-            self.operand(known, complemented);
-            return Ok(());
-        }
+        let Visit { context, complemented, .. } = visit;
         let (name, what) = (self.leaf_name(context, primitive.name()), primitive.name());
         let (is_named, content) = (self.is_named(context), Content::Shape(primitive));
         let leaf = self.part(Part { name, context, is_named, content }, 1, what)?;
         let edge = self.formula.leaf(leaf);
-        if shared {
-            self.leaf_of.insert(key, edge);
-        }
         self.operand(edge, complemented);
         Ok(())
     }
@@ -346,7 +338,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
 
     /// The union of instances; a single one is lowered as an ordinary transform.
     fn placed(&mut self, visit: Visit<'a>, inner: &'a Solid, maps: &'a Copies) -> Result<(), CompileError> {
-        let Visit { solid, context, complemented, .. } = visit;
+        let Visit { context, complemented, .. } = visit;
         match maps[..] {
             // a solid without placements gets no group: nothing in the program would refer to it
             [] => self.operand(Edge::EMPTY, complemented),
@@ -355,12 +347,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
                 self.pass(inner, Visit { context, ..visit });
             }
             _ => {
-                let key = (solid.address(), context);
-                let edge = match self.done.get(&key) {
-                    Some(&edge) => edge,
-                    None => self.instances(context, inner, maps)?,
-                };
-                self.done.insert(key, edge);
+                let edge = self.instances(context, inner, maps)?;
                 self.operand(edge, complemented);
             }
         }
@@ -383,7 +370,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
         Ok(self.formula.join(Op::Union, &edges))
     }
 
-    /// The context under a map, the same for each visit of the node. `copy` is set if the map is that of the
+    /// The context under a map. `copy` is set if the map is that of the
     /// only copy of a solid and has a label. The identity makes no context of its own, so that a solid shares
     /// its leaves with its unmoved copies.
     fn moved(
@@ -399,7 +386,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
             .map_err(|e| CompileError { path: self.path(visit.context, "transform"), problem: e.into() })?;
         let Context { map: outer, step, named, direct, .. } = self.contexts[visit.context as usize];
         let next = Context { parent: visit.context, name: None, copy, step, named, direct, map: 0 };
-        Ok(self.enter_moved(visit, next, self.composed(map, outer)))
+        Ok(self.enter_moved(next, self.composed(map, outer)))
     }
 
     /// A map, followed by a composed one.
@@ -417,34 +404,24 @@ impl<'p, 'a> Lowering<'p, 'a> {
         let bits = |map: &Affine| map.to_rows().map(|row| row.map(f64::to_bits));
         // the product with the identity may turn -0 into 0
         match bits(&composed.0) == bits(&self.maps.get(map).0) {
-            true => self.enter(visit, next),
-            false => self.enter_moved(visit, next, composed),
+            true => self.enter(next),
+            false => self.enter_moved(next, composed),
         }
     }
 
     /// Enters a context with a map of its own.
-    fn enter_moved(&mut self, visit: &Visit<'a>, next: Context<'a>, map: Map) -> u32 {
+    fn enter_moved(&mut self, next: Context<'a>, map: Map) -> u32 {
         let number = self.maps.0.len() as u32;
-        let context = self.enter(visit, Context { map: number, ..next });
-        if self.contexts[context as usize].map == number {
-            self.maps.push(map);
-        }
-        context
+        self.maps.push(map);
+        self.enter(Context { map: number, ..next })
     }
 
-    fn enter(&mut self, visit: &Visit<'a>, mut next: Context<'a>) -> u32 {
-        let fresh = self.contexts.len() as u32;
-        let context = match visit.shared {
-            true => *self.context_of.entry((visit.context, visit.solid.address())).or_insert(fresh),
-            // no later visit
-            false => fresh,
-        };
-        if context == fresh {
-            if next.name.is_some() || next.copy.is_some() {
-                next.step = fresh;
-            }
-            self.contexts.push(next);
+    fn enter(&mut self, mut next: Context<'a>) -> u32 {
+        let context = self.contexts.len() as u32;
+        if next.name.is_some() || next.copy.is_some() {
+            next.step = context;
         }
+        self.contexts.push(next);
         context
     }
 
@@ -479,7 +456,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
 #[derive(Default)]
 struct LeafNames {
     /// By the addresses of the outer name (which the contexts keep alive) and of the kind.
-    known: HashMap<(usize, usize), Arc<str>>,
+    known: NumberMap<(usize, usize), Arc<str>>,
 }
 
 impl LeafNames {

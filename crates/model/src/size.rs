@@ -10,7 +10,7 @@ use rayweave_math::Affine;
 use rayweave_shape::primitive::Primitive;
 
 /// The limit on the number of leaves: `minimum`, or `per_node` times the size of the description, whichever is greater.
-struct LeafLimit {
+pub(crate) struct LeafLimit {
     /// The limit for small descriptions.
     minimum: u64,
     /// The number of leaves for each solid and copy in the description. It limits leaves that are copies of a solid used
@@ -22,19 +22,14 @@ struct LeafLimit {
 const FACES_PER_LEAF: u64 = 8;
 
 /// The limit for solids built by a program.
-const FOR_PROGRAMS: LeafLimit = LeafLimit { minimum: 1 << 24, per_node: 64 };
+pub(crate) const FOR_PROGRAMS: LeafLimit = LeafLimit { minimum: 1 << 24, per_node: 64 };
 
 /// The limit for model files. It is lower, because a small file from an untrusted source must not exhaust memory: compiling
 /// takes up to 2 kB of memory per leaf.
-const FOR_FILES: LeafLimit = LeafLimit { minimum: 500_000, per_node: 8 };
+pub(crate) const FOR_FILES: LeafLimit = LeafLimit { minimum: 500_000, per_node: 8 };
 
 /// The number of node visits during lowering (to maps, names, operators and shapes) that are accepted per leaf of the limit.
 const VISITS_PER_LEAF: u64 = 16;
-
-/// Rejects solids that expand to more leaves than a program may compile: [`FOR_PROGRAMS`].
-pub(crate) fn check(solids: &[&Solid]) -> Result<(), CompileError> {
-    FOR_PROGRAMS.check(solids)
-}
 
 /// Rejects solids that expand to more leaves than a model file may describe: 500,000, or 8 for each solid and copy in the
 /// file, whichever is greater. Faster than compiling the solids.
@@ -50,15 +45,13 @@ pub fn check_repetition(solids: &[&Solid]) -> Result<(), CompileError> {
 }
 
 impl LeafLimit {
-    fn check(&self, solids: &[&Solid]) -> Result<(), CompileError> {
-        if leaf_count(solids, self.minimum).is_some() {
-            return Ok(());
-        }
+    /// Rejects solids that expand to more leaves.
+    pub(crate) fn check(&self, solids: &[&Solid]) -> Result<(), CompileError> {
         let nodes = description_size(solids);
         let limit = self.minimum.max(self.per_node.saturating_mul(nodes));
-        match limit > self.minimum && leaf_count(solids, limit).is_some() {
-            true => Ok(()),
-            false => Err(CompileError {
+        match leaf_count(solids, limit) {
+            Some(_) => Ok(()),
+            None => Err(CompileError {
                 path: "model".to_owned(),
                 problem: CompileProblem::Repeated { nodes, limit },
             }),
@@ -212,19 +205,19 @@ fn shape_within(mut solid: &Solid) -> Option<(&Primitive, u64)> {
 
 /// The size of the description: the number of distinct nodes and of copies; polyhedra count as in [`weight`].
 fn description_size(solids: &[&Solid]) -> u64 {
-    let (mut waiting, mut seen, mut copies) = (solids.to_vec(), NumberSet::default(), 0u64);
+    let (mut waiting, mut seen, mut size) = (solids.to_vec(), NumberSet::default(), 0u64);
     while let Some(solid) = waiting.pop() {
-        if seen.insert(solid.address()) {
-            copies = copies.saturating_add(match solid.node() {
-                Node::Placed(_, maps) => maps.len() as u64,
-                // the node itself is counted below
-                Node::Primitive(shape) => weight(shape) - 1,
-                _ => 0,
+        // a node with one handle is met once
+        if !solid.is_shared() || seen.insert(solid.address()) {
+            size = size.saturating_add(match solid.node() {
+                Node::Placed(_, maps) => 1 + maps.len() as u64,
+                Node::Primitive(shape) => weight(shape),
+                _ => 1,
             });
             waiting.extend(solid.node().operand_refs());
         }
     }
-    copies.saturating_add(seen.len() as u64)
+    size
 }
 
 #[cfg(test)]
@@ -241,7 +234,7 @@ mod tests {
         let placed = ball.place(vec![Affine::translate([1.0, 0.0, 0.0].into()); 1 << 20]);
         // only counted: compiling the solids would take seconds
         check_repetition(&[&rows, &placed]).unwrap();
-        check(&[&rows, &placed]).unwrap();
+        FOR_PROGRAMS.check(&[&rows, &placed]).unwrap();
     }
 
     /// The faces of a polyhedron count, both in the size of the description and at each repetition.
@@ -272,7 +265,7 @@ mod tests {
     fn files_may_repeat_less_than_programs() {
         let ball = Solid::from(build("sphere", &[("radius", 1.0.into())]).unwrap());
         let doubled = (0..20).fold(ball, |s, k| &s | s.translate([f64::from(k), 0.0, 0.0]));
-        check(&[&doubled]).unwrap();
+        FOR_PROGRAMS.check(&[&doubled]).unwrap();
         let error = check_repetition(&[&doubled]).unwrap_err();
         assert_eq!(error.problem, CompileProblem::Repeated { nodes: 41, limit: 500_000 });
     }

@@ -6,6 +6,7 @@ use crate::instances::{Instances, Numbers};
 use crate::label::Labels;
 use crate::leaf::{LeafFacet, LeafTable};
 use crate::lower::{Content, Group, Part};
+use crate::name_map::NameMap;
 use crate::program::SurfaceEntry;
 use crate::simplify::{Formula, Observer, bounds, leaf_needs, output_bounds, prepare_observed};
 use crate::{Ball, CompileError, CompileProblem, Expression, PrototypeId, SurfaceId};
@@ -13,7 +14,6 @@ use rayweave_math::{Bounds, Transform, Vec3};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::Primitive;
 use rayweave_shape::surface::{Surface, share};
-use std::collections::HashMap;
 use std::num::NonZeroUsize;
 
 /// The leaves and surfaces of a group.
@@ -23,7 +23,7 @@ pub(crate) struct Tables {
     pub surfaces: Vec<SurfaceEntry>,
     /// Numbers of the planes of the current chunk, by the bits of plane and magnitude: large models have
     /// millions of faces in few planes.
-    planes: HashMap<[u64; 5], SurfaceId>,
+    planes: NameMap<[u64; 5], SurfaceId>,
 }
 
 /// Results of compiling a group, other than its tables.

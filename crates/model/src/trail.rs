@@ -4,7 +4,7 @@
 //! of a placed solid share one, whatever their number.
 
 use crate::copies::CopyLabel;
-use std::collections::HashMap;
+use crate::name_map::NameMap;
 use std::sync::Arc;
 
 /// The parent of a node at the top of its group.
@@ -107,14 +107,14 @@ impl Trail {
 pub(crate) struct TrailBuilder<'n> {
     trail: Trail,
     /// Number of nodes with equal names, by parent, name and copy number.
-    nodes: HashMap<(u32, &'n str, Option<i64>), u32>,
+    nodes: NameMap<(u32, &'n str, Option<i64>), u32>,
     /// Nodes of labelled copies: equal labels mean the same copy, e.g. in files in which each volume repeats the
     /// placements of its mother volumes.
-    labelled: HashMap<(u32, &'n str, Option<i64>), u32>,
+    labelled: NameMap<(u32, &'n str, Option<i64>), u32>,
     /// Number of leaves with equal names, by node and name.
-    leaves: HashMap<(u32, &'n str), u32>,
+    leaves: NameMap<(u32, &'n str), u32>,
     /// Number of counted copies with equal names, by node and name.
-    copies: HashMap<(u32, &'n str), i64>,
+    copies: NameMap<(u32, &'n str), i64>,
     /// The name of the leaves of the last run, and the number after it.
     last: Option<(&'n str, u32)>,
 }
@@ -202,7 +202,7 @@ impl<'n> TrailBuilder<'n> {
 
 /// The count of a key, which is then increased.
 fn next<K: std::hash::Hash + Eq, N: Copy + Default + std::ops::AddAssign>(
-    counts: &mut HashMap<K, N>,
+    counts: &mut NameMap<K, N>,
     key: K,
     by: N,
 ) -> N {
@@ -214,7 +214,7 @@ fn next<K: std::hash::Hash + Eq, N: Copy + Default + std::ops::AddAssign>(
 
 /// For each copy the number of copies before it with the same number; `None` if all numbers differ.
 fn ordinals(label: &CopyLabel, count: usize) -> Option<Box<[u32]>> {
-    let mut seen: HashMap<Option<i64>, u32> = HashMap::with_capacity(count);
+    let mut seen: NameMap<Option<i64>, u32> = NameMap::with_capacity_and_hasher(count, Default::default());
     let ordinals: Box<[u32]> = (0..count).map(|k| next(&mut seen, label.number(k, count), 1)).collect();
     (seen.len() < count).then_some(ordinals)
 }

@@ -2,7 +2,7 @@
 
 use crate::{Colour, Medium, Scene, SceneError, SceneRegion};
 use rayweave_error::Message;
-use rayweave_model::{Program, RegionId, Solid, check_repetition};
+use rayweave_model::{Program, RegionId, Solid};
 use std::sync::Arc;
 
 /// A compiled scene with the names of its media.
@@ -20,11 +20,9 @@ impl Compiled {
     /// # Errors
     ///
     /// [`SceneError::Compile`], for example for a singular transform, or if repeated solids expand to too many leaves
-    /// ([`check_repetition`]).
+    /// ([`check_repetition`](rayweave_model::check_repetition)).
     pub fn new(scene: &Scene) -> Result<Compiled, SceneError> {
-        let solids: Vec<&Solid> = scene.regions.iter().map(|region| &region.solid).collect();
-        check_repetition(&solids)?;
-        let program = Program::compile_regions(&scene.model_regions())?;
+        let program = Program::compile_file_regions(&scene.model_regions())?;
         let media = scene.medium_names().into_iter().map(str::to_owned).collect();
         Ok(Compiled { program: Arc::new(program), media })
     }

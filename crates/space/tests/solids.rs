@@ -317,3 +317,50 @@ fn a_line_that_touches_a_flat_cylinder_does_not_lie_in_it() {
         }
     }
 }
+
+/// `x^2 - y^2 < 2^-40 (z^2 + w^2)`, nearly two crossing planes: the crossings have their places to the rounding of a point, along
+/// lines nearly in one of the planes that are closest to the origin far from the edge of both.
+#[test]
+fn lines_nearly_in_one_of_two_crossing_planes_cross_both() {
+    let wide = 2f64.powi(20);
+    let solid = Solid::<4>::quadric(4, 1, 0.0).unwrap().scale([1.0, 1.0, wide, wide]).unwrap();
+    for exponent in 0..=16 {
+        let slope = 2f64.powi(-exponent);
+        // sums and differences of the coordinates are exact
+        let (p, v) = ([1.0, 1.0 + 0.125 * slope, 1.5, 0.5], [-0.75, -0.75 - 1.25 * slope, -0.625, 0.25]);
+        let rest = |t: f64| ((p[2] + t * v[2]).powi(2) + (p[3] + t * v[3]).powi(2)) / (wide * wide);
+        let sides = [(p[0] - p[1], v[0] - v[1]), (p[0] + p[1], v[0] + v[1])];
+        // x - y = c and x + y = d with c d = rest: at the time s after that of the plane c = 0, s speed (d + s speed of d) = rest
+        let mut want = [(sides[0], sides[1]), (sides[1], sides[0])].map(|((c, speed), (d, other))| {
+            let plane = -c / speed;
+            let step = |s: f64| rest(plane + s) / (speed * (d + (plane + s) * other));
+            (plane + (0..40).fold(0.0, |s, _| step(s)), speed.abs())
+        });
+        want.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let got = times(&trace(p, std::array::from_fn(|k| p[k] + v[k]), &solid).unwrap());
+        assert_eq!(got.len(), 2, "{exponent}: {got:?}");
+        for (t, (expected, speed)) in got.iter().zip(want) {
+            let off = (t - expected).abs() * speed;
+            assert!(off <= 16.0 * f64::EPSILON, "{exponent}: {off} at {t} for {expected}");
+        }
+    }
+}
+
+/// Lines that touch an elliptic cylinder from outside do not enter it, however they are tilted along its axis and wherever they begin.
+#[test]
+fn tangents_of_elliptic_cylinders_do_not_enter() {
+    for (stretch, point, along) in [(2.0, [3.0, 8.0], [-2.0, 3.0]), (64.0, [4.0, 192.0], [-3.0, 256.0])] {
+        let cylinder = Solid::<3>::cylinder(2, 5.0).unwrap().scale([1.0, stretch, 1.0]).unwrap();
+        for grow in [1.0, 1.0 / 3.0, 0.1] {
+            let cylinder = cylinder.scale([grow, grow, grow]).unwrap();
+            for (tilt, begin) in
+                [0.0, 1e-9, 1e-3, 1.0, 1e3].iter().flat_map(|t| [-7.0, -0.5, 3.0].map(|b| (t, b)))
+            {
+                let at =
+                    |s: f64| [grow * (point[0] + s * along[0]), grow * (point[1] + s * along[1]), tilt * s];
+                let got = times(&trace(at(begin), at(begin + 1.0), &cylinder).unwrap());
+                assert_eq!(got, [0.0; 0], "{stretch} {grow} {tilt} {begin}");
+            }
+        }
+    }
+}

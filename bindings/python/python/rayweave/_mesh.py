@@ -90,7 +90,7 @@ class Mesh:
 
         >>> import rayweave as rw
         >>> rw.box(2).to_mesh().describe()
-        '12 triangles, 8 vertices, 1 shells'
+        '12 triangles, 8 vertices, 1 shell'
         """
         return self._defects()[3]
 

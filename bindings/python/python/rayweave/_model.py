@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from rayweave import _core
 from rayweave._core import Model, Solid
-from rayweave._words import suggesting
+from rayweave._words import suggest_for, suggesting
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,10 @@ Region.__init__ = suggesting(color="colour", material="medium", shape="solid")(R
 Medium.__init__ = suggesting(  # type: ignore[method-assign]
     color="colour", n="index", density='numbers={"density": ...}', refractive_index="index"
 )(Medium.__init__)
+
+_QUERIES = ("hits", "crossings", "crossings_along", "nearest", "contains", "distance", "explain", "occurrence_paths", "to_mesh", "save")
+suggest_for(Solid, _QUERIES)
+suggest_for(Model, (*_QUERIES, "partition", "preparation"))
 
 Regions: TypeAlias = Solid | Region | Sequence[Solid | Region] | Mapping[str, Solid | Region]
 """Regions of a model. The keys of a mapping are their names; solids without a name are numbered."""

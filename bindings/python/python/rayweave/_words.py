@@ -31,6 +31,28 @@ def suggesting(**meant: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
     return decorate
 
 
+def suggest_for(owner: type, methods: tuple[str, ...], **meant: str) -> None:
+    """Gives methods written in Rust the message about unknown keyword arguments that `suggesting` gives to functions."""
+    for name in methods:
+        setattr(owner, name, _explained(getattr(owner, name), f"{owner.__name__}.{name}", meant))
+
+
+def _explained(function: Callable[_P, _R], title: str, meant: Mapping[str, str]) -> Callable[_P, _R]:
+    @wraps(function)
+    def explained(*values: _P.args, **named: _P.kwargs) -> _R:
+        try:
+            return function(*values, **named)
+        except TypeError:
+            # only now, so that a valid call costs nothing more
+            names = [name for name in inspect.signature(function).parameters if name != "self"]
+            for name in named:
+                if name not in names:
+                    raise TypeError(unexpected(title, names, name, meant.get(name))) from None
+            raise
+
+    return explained
+
+
 def unexpected(function: str, names: list[str], name: str, meant: str | None = None) -> str:
     """The message about an unknown argument of a function with the given ones."""
     hint = did_you_mean(name, names, {name: meant} if meant else {})

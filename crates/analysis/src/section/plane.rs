@@ -3,7 +3,7 @@
 use super::Cut;
 use crate::AnalysisError;
 use rayweave_error::Message;
-use rayweave_math::Vec3;
+use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 use std::fmt;
 use std::str::FromStr;
 
@@ -97,7 +97,7 @@ impl SectionPlane {
                 let problem = format!("a stack from {from} to {to} in steps of {step} is invalid");
                 Err(AnalysisError::Value(Message::new(problem, reason)))
             }
-            None => (0..=steps as u32).map(|k| self.at(from + f64::from(k) * step)).collect(),
+            None => (0..=steps as u32).map(|k| self.at(step_of_stack(from, k, step))).collect(),
         }
     }
 
@@ -164,6 +164,17 @@ impl SectionPlane {
             }
             Form::Oblique { .. } => self.to_string(),
         }
+    }
+}
+
+/// The offset of plane `number` of a stack. An offset that differs from 0 by no more than rounding is 0: a stack from -0.3 in steps
+/// of 0.1 would otherwise have a plane at 5e-17.
+fn step_of_stack(from: f64, number: u32, step: f64) -> f64 {
+    let offset = from + f64::from(number) * step;
+    // the errors of both ends of the step, of their product and of the sum: at most u |from| each
+    match offset.abs() <= 4.0 * UNIT_ROUNDOFF * from.abs() {
+        true => 0.0,
+        false => offset,
     }
 }
 
@@ -265,6 +276,10 @@ mod tests {
         // ten steps of 0.1 reach 1 despite the rounding of their sum
         assert_eq!(offsets(0.0, 1.0, 0.1).len(), 11);
         assert_eq!(offsets(2.0, 2.0, 5.0), [2.0]);
+        // -0.3 + 3 * 0.1 is not 0, although the planes of the decimal numbers are
+        assert_eq!(offsets(-0.3, 0.3, 0.1)[3], 0.0);
+        assert_eq!(offsets(-0.7, 0.7, 0.1)[7], 0.0);
+        assert_eq!(offsets(-1e-20, 1e-20, 1e-20), [-1e-20, 0.0, 1e-20]);
         let bad =
             [(1.0, 0.0, 0.1), (0.0, 1.0, 0.0), (0.0, 1.0, -1.0), (0.0, 1.0, 1e-9), (f64::NAN, 1.0, 1.0)];
         let more = [(0.0, f64::INFINITY, 1.0), (0.0, 1.0, f64::NAN)];

@@ -65,7 +65,7 @@ impl Info {
             true => Preparation::of_regions(&scene.model_regions()).map_err(rayweave::Error::from)?,
             false => Vec::new(),
         };
-        terminal::print(&match self.json {
+        let printed = terminal::print(&match self.json {
             true => {
                 let mut json = self.as_json(&scene, &compiled);
                 if let Some(meshes) = &meshes {
@@ -81,7 +81,10 @@ impl Info {
                 let meshes = meshes.map(|meshes| format!("\n{}", meshes.text())).unwrap_or_default();
                 self.as_text(&scene, &compiled) + &meshes + &texts.collect::<String>()
             }
-        })
+        });
+        // the system frees the memory of a large model faster than its destructors do
+        std::mem::forget(scene);
+        printed
     }
 
     /// The meshes of a mesh file; `None` for models of other formats and for standard input.

@@ -109,13 +109,13 @@ impl Volume {
         let [missed, imprecise] =
             [missed, imprecise].map(|some| some.into_iter().map(name).collect::<Vec<_>>());
         if !missed.is_empty() {
-            let names = missed.join(", ");
+            let names = listed(&missed);
             terminal::note(&format!(
                 "note: {names}: no ray crossed it. Measure within a smaller box: --within."
             ));
         }
         if !imprecise.is_empty() {
-            let (names, most) = (imprecise.join(", "), self.total.unwrap_or(self.sampling.rays));
+            let (names, most) = (listed(&imprecise), self.total.unwrap_or(self.sampling.rays));
             let option = if self.total.is_some() { "--total" } else { "--rays" };
             terminal::note(&format!(
                 "note: {names}: the requested precision is not reached after {most} rays. See {option}."
@@ -240,6 +240,17 @@ fn name(region: &RegionReport) -> &str {
     &region.measured.name
 }
 
+/// The most names in a note.
+const MAX_NAMES: usize = 8;
+
+/// The names for a note: the first ones and the number of the others.
+fn listed(names: &[&str]) -> String {
+    match names.len().checked_sub(MAX_NAMES) {
+        Some(more) if more > 1 => format!("{}, ... and {more} more", names[..MAX_NAMES].join(", ")),
+        _ => names.join(", "),
+    }
+}
+
 fn region_json(region: &RegionReport) -> Value {
     let measured = &region.measured;
     let row = |row: &[Estimate; 3]| row.iter().map(interval::json).collect::<Vec<_>>();
@@ -255,4 +266,18 @@ fn region_json(region: &RegionReport) -> Value {
         "rays": measured.rays,
         "is_reached": measured.is_reached,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn notes_name_a_few_regions() {
+        let names: Vec<String> = (0..1801).map(|k| format!("r{k}")).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        assert_eq!(listed(&names), "r0, r1, r2, r3, r4, r5, r6, r7, ... and 1793 more");
+        assert_eq!(listed(&names[..9]), names[..9].join(", "));
+        assert_eq!(listed(&names[..1]), "r0");
+    }
 }

@@ -98,7 +98,7 @@ fn open_meshes_are_refused_with_position_and_count_or_repaired() {
     assert!(refused.contains("3 edges belong to an odd number of triangles, the first at"), "{refused}");
     assert!(refused.contains("holes: 1") && refused.contains("--repair"), "{refused}");
     let mended = bench.run(&["info", "open.obj", "--repair", "--unit", "in"]);
-    assert!(mended.err.contains("the mesh was repaired: 1 plane holes filled"), "{}", mended.err);
+    assert!(mended.err.contains("the mesh was repaired: 1 plane hole filled"), "{}", mended.err);
     assert!(mended.code == 0 && mended.out.contains("lengths in in"), "{}", mended.out);
 }
 

@@ -215,7 +215,7 @@ fn an_open_mesh_file_in_numbers() {
     assert!(text.contains("no: 3 open edges") && text.contains("open is not a solid"), "{text}");
     // the model is repaired, and so is the mesh
     let repaired = bench.run(&["info", "open.obj", "--json", "--repair"]);
-    assert!(repaired.code == 0 && repaired.err.contains("1 plane holes filled"), "{}", repaired.err);
+    assert!(repaired.code == 0 && repaired.err.contains("1 plane hole filled"), "{}", repaired.err);
     let facts: serde_json::Value = serde_json::from_str(&repaired.out).unwrap();
     assert_eq!(facts["meshes"][0]["volume"], json!(7.0));
     bench.write("empty.obj", "");

@@ -216,8 +216,11 @@ pub(crate) fn duplicates(mesh: &Mesh) -> (Findings<[u32; 2]>, Vec<bool>) {
 /// A summary with the first defect of each kind: `holes: 3 (the first: (0, 0, 1), 4 edges)`.
 impl fmt::Display for Diagnosis {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let shells = self.components.len();
-        write!(f, "{} triangles, {} vertices, {shells} shells", self.triangles, self.vertices)?;
+        let shells = match self.components.len() {
+            1 => "1 shell".to_owned(),
+            count => format!("{count} shells"),
+        };
+        write!(f, "{} triangles, {} vertices, {shells}", self.triangles, self.vertices)?;
         if self.is_flat {
             write!(f, "; no volume inside")?;
         }

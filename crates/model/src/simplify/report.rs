@@ -7,6 +7,7 @@ use super::prune::{PrunedPart, Reason, reason};
 use super::{Observer, Pass, balance, height};
 use crate::compile::compile_observed;
 use crate::lower::{Content, Group};
+use crate::number_map::NumberMap;
 use crate::{CompileError, Edge, LeafId, Program, PrototypeId, Region};
 use rayweave_math::Bounds;
 use std::cell::RefCell;
@@ -299,7 +300,7 @@ fn distinct_names(group: &Group) -> Vec<Arc<str>> {
 struct Names {
     leaves: Vec<Arc<str>>,
     /// By tag.
-    compounds: HashMap<u32, Arc<str>>,
+    compounds: NumberMap<u32, Arc<str>>,
 }
 
 /// Length in bytes at which formulas are cut off.

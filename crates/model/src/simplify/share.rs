@@ -2,9 +2,10 @@
 
 use super::fold::{Folded, fold_join};
 use super::formula::{Formula, Renumbered, Term};
+use crate::name_map::NameState;
+use crate::number_map::NumberMap;
 use crate::{Edge, LeafId, NodeId};
-use std::collections::HashMap;
-use std::hash::{BuildHasher, RandomState};
+use std::hash::BuildHasher;
 
 /// Stores equal sub-formulas once; keeps the value.
 ///
@@ -43,8 +44,8 @@ pub fn share(formula: &Formula) -> Formula {
 #[derive(Default)]
 struct Shared {
     out: Formula,
-    hasher: RandomState,
-    newest: HashMap<u64, NodeId>,
+    hasher: NameState,
+    newest: NumberMap<u64, NodeId>,
     /// For each node the previous one with the same hash; node 0 ends the chain.
     older: Vec<NodeId>,
     /// The node of each leaf; node 0 if there is none yet.

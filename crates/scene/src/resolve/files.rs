@@ -85,8 +85,8 @@ pub(super) fn mesh(context: &mut Context, file: &Spanned<String>, repair: bool) 
         context.push(Diagnostic::warning(format!("`{}`: {warning}", file.value)), file.span);
     }
     if repair && let Some((mended, done)) = found.mesh.auto_repaired() {
-        for (count, what) in done.summary() {
-            let repair = format!("the mesh in `{}` was repaired: {count} {what}", file.value);
+        for (repair, _) in done.summary() {
+            let repair = format!("the mesh in `{}` was repaired: {repair}", file.value);
             context.push(Diagnostic::warning(repair), file.span);
         }
         return diagnosed(context, file, &mended, true);

@@ -15,9 +15,9 @@ use crate::number::Number;
 use crate::source::{Span, Spanned};
 use crate::suggestion::did_you_mean;
 use rayweave_math::{Affine, Vec3};
-use rayweave_model::{Copies, Solid};
+use rayweave_model::{Copies, NameMap, Solid};
 use rayweave_shape::primitive::{Primitive, ShapeError, build as build_shape};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Body, transforms and label of a solid.
@@ -155,7 +155,7 @@ pub(super) struct Solids<'n> {
     /// The names, in the order of the document.
     pub names: &'n [String],
     /// The number of each name.
-    pub index: HashMap<&'n str, usize>,
+    pub index: NameMap<&'n str, usize>,
     /// The solids in the order of the document; `None` for an invalid solid, whose problem has been reported.
     pub built: Vec<Option<Solid>>,
     /// Whether another solid uses it.
@@ -186,7 +186,7 @@ pub(super) fn build<'n>(
     entries: Entries<'_>,
 ) -> Solids<'n> {
     let count = entries.len();
-    let index: HashMap<_, _> = names.iter().enumerate().map(|(index, name)| (name.as_str(), index)).collect();
+    let index: NameMap<_, _> = names.iter().enumerate().map(|(index, name)| (name.as_str(), index)).collect();
     let world = index.get(WORLD).map(|&index| entries.name(index));
     let mut builder = Builder {
         solids: Solids { names, index, built: vec![None; count], used: vec![false; count], world },

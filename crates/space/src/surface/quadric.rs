@@ -49,16 +49,31 @@ impl<const D: usize> Quadric<D> {
     }
 
     /// The crossings of a line, at most two. The coefficients are computed at the point of the line closest to the centre, which avoids
-    /// cancellation for distant origins. Distant crossings that exist only because rounding has changed the square term are dropped.
+    /// cancellation for distant origins; if the surface may contain lines, where the terms of f are smallest. Distant crossings that
+    /// exist only because rounding has changed the square term are dropped.
     pub(super) fn crossings(&self, line: &Line<D>) -> Crossings<2> {
         let (x, v, shift) = self.closest(line);
         // the error of v_k is that of a dot product: proportional to the sum of the absolute values of its terms
         let term = |k: usize| (self.weights[k] * v[k]).abs() * dot_of_sizes(&self.axes[k], &line.direction);
         let noise = 2.0 * dot_noise::<D>() * (0..D).map(term).sum::<f64>();
+        let later = if self.may_contain_lines() { self.time_of_least_terms(&x, &v, noise) } else { 0.0 };
+        let (x, shift) = (add_scaled(&x, later, &v), shift + later);
         quadratic_crossings(shift, noise, |s| {
             let x = add_scaled(&x, s, &v);
             [self.product(&v, &v), self.product(&x, &v), self.product(&x, &x) + self.constant]
         })
+    }
+
+    /// The time after which the terms of f are smallest: that of the least `sum |w_k| x_k^2`; 0 if `sum |w_k| v_k^2` is at most `noise`,
+    /// the bound of its error.
+    ///
+    /// Terms of opposite sign cancel near the surface. With the coefficients at the time s of the least terms, the terms add up at each
+    /// root t to `sum |w_k| x_k(t)^2 <= |x(t)| |grad f| / 2` (Cauchy and Schwarz, all |w_k| are at most 1), so that the root is off the
+    /// surface by no more than a few u |x(t)|: see `Quadric` of `rayweave-shape`.
+    fn time_of_least_terms(&self, x: &Point<D>, v: &Point<D>, noise: f64) -> f64 {
+        let weighted: Point<D> = from_fn(|k| self.weights[k].abs() * v[k]);
+        let square = dot(&weighted, v);
+        if square > noise { -dot(&weighted, x) / square } else { 0.0 }
     }
 
     /// The sign changes of `w . grad f` along a line, for the direction w of symbolic perturbation; `None` if it is constant

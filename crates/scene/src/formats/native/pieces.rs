@@ -10,8 +10,8 @@
 use super::foreign::with_comment;
 use crate::datum::Datum;
 use crate::source::{Source, Span, Spanned};
+use rayweave_model::NameState;
 use std::collections::HashMap;
-use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
 use std::ops::Range;
 
@@ -79,7 +79,7 @@ enum Kind {
 
 impl TopLevel {
     /// Describes an entry; `hasher` is that of the [`Merge`].
-    pub fn new(source: &Source, entry: &(Spanned<String>, Spanned<Datum>), hasher: &RandomState) -> TopLevel {
+    pub fn new(source: &Source, entry: &(Spanned<String>, Spanned<Datum>), hasher: &NameState) -> TopLevel {
         let (key, value) = (entry.0.value.clone(), &entry.1);
         let names = match &value.value {
             Datum::Table(table) if SHARED.contains(&key.as_str()) => {
@@ -97,11 +97,11 @@ pub(super) struct Merge {
     kinds: HashMap<String, Kind>,
     /// Hashes of the names of solids and other named tables; two names with the same hash count as one.
     names: Vec<u64>,
-    hasher: RandomState,
+    hasher: NameState,
 }
 
 impl Merge {
-    pub fn hasher(&self) -> RandomState {
+    pub fn hasher(&self) -> NameState {
         self.hasher.clone()
     }
 

@@ -16,10 +16,10 @@ use crate::source::{Source, Span, Spanned};
 use crate::suggestion::did_you_mean;
 use crate::unit::Unit;
 use rayweave_error::with_limited_suggestions_of_part;
+use rayweave_model::NameState;
 use rayweave_model::drive::{Cancel, drive, thread_count};
 use rayweave_shape::primitive::MANUALS;
 use std::collections::HashSet;
-use std::collections::hash_map::RandomState;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::Arc;
@@ -95,7 +95,7 @@ struct Piece {
 
 impl Piece {
     /// `None` if the piece alone is not valid TOML.
-    fn read(source: &Arc<Source>, range: Range<usize>, kept: Kept, hasher: &RandomState) -> Option<Piece> {
+    fn read(source: &Arc<Source>, range: Range<usize>, kept: Kept, hasher: &NameState) -> Option<Piece> {
         let (start, end) = (range.start, range.end);
         let mut contents = Reader::without_heading(source, kept);
         let table = match quick::parse(source.text(), range.clone()) {
