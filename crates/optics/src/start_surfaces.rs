@@ -26,6 +26,9 @@ pub struct StartSurfaces {
     /// The first entry of each placement in that list, and for each surface its position in the entries of its placement.
     first_of_placement: Vec<u32>,
     position: Vec<u32>,
+    /// For each entry of the list of surfaces, its place in the list of planes, `u32::MAX` for others.
+    plane_of: Vec<u32>,
+    planes: Vec<PlaneContact>,
     frames: Vec<Frame>,
     /// The maps into the frame of each placement, outermost first, one list after the other, and the first of each list.
     maps: Vec<Affine>,
@@ -92,6 +95,20 @@ struct Neighbours {
     of_surface: Vec<u32>,
     /// The margin by which all boxes in the lists are grown.
     slack: f64,
+}
+
+/// A plane that rays cross, in a frame that is not turned: for callers that evaluate the contacts of several rays at once, by the
+/// operations of [`Contact`].
+#[derive(Clone, Copy, Debug)]
+pub struct PlaneContact {
+    /// The unit normal n and the offset c in the frame of the plane: f(p) = n p - c.
+    pub normal: Vec3,
+    /// See `normal`.
+    pub offset: f64,
+    /// The translation into that frame; `None` in the world.
+    pub shift: Option<Vec3>,
+    /// The gradient in the world, up to a positive factor.
+    pub gradient: Vec3,
 }
 
 /// The side of a surface on which a scattered ray leaves it.
@@ -166,12 +183,54 @@ impl StartSurfaces {
         }
         found.first_map.push(found.maps.len() as u32);
         found.position = position;
+        found.list_planes(program);
         found.tree = ExactBvh::listed(&found.boxes);
         found.neighbours =
             Neighbours { of_placement, of_surface, ..Neighbours::new(&found.boxes, &found.tree) };
         found.cores = (0..found.clusters.len()).map(|k| found.core(program, k)).collect();
         found.alone = (0..found.clusters.len()).flat_map(|k| found.alone_in(program, k)).collect();
         found
+    }
+
+    /// Lists the planes in frames that are not turned.
+    fn list_planes(&mut self, program: &Program) {
+        for cluster in &self.clusters {
+            let k = cluster.placement.index();
+            let maps = &self.maps[self.first_map[k] as usize..self.first_map[k + 1] as usize];
+            let shift = match maps {
+                [] => Some(None),
+                [map] => (map.linear == Affine::IDENTITY.linear).then_some(Some(map.translation)),
+                _ => None,
+            };
+            for &surface in &self.surfaces[cluster.surfaces.start as usize..cluster.surfaces.end as usize] {
+                let plane = match (&program.surface(surface).surface, shift) {
+                    (Surface::Plane(plane), Some(shift)) => Some(PlaneContact {
+                        normal: plane.normal,
+                        offset: plane.offset,
+                        shift,
+                        gradient: outer_gradient(plane.normal, maps),
+                    }),
+                    _ => None,
+                };
+                self.plane_of.push(plane.map_or(u32::MAX, |_| self.planes.len() as u32));
+                self.planes.extend(plane);
+            }
+        }
+    }
+
+    /// The planes in frames that are not turned.
+    #[must_use]
+    pub fn planes(&self) -> &[PlaneContact] {
+        &self.planes
+    }
+
+    /// The place of the plane of a face in [`planes`](StartSurfaces::planes), if it is one.
+    #[must_use]
+    #[inline]
+    pub fn plane(&self, face: Face) -> Option<u32> {
+        let first = self.first_of_placement[face.placement.index()];
+        let plane = self.plane_of[(first + self.position[face.surface.index()]) as usize];
+        (plane != u32::MAX).then_some(plane)
     }
 
     /// The surfaces with their boxes; `None` if some belong to placed solids.
@@ -345,9 +404,22 @@ impl StartSurfaces {
     /// tolerance. `known` is the start list of the incident ray, as for [`append`](StartSurfaces::append).
     pub fn append_at(&self, contact: &Contact<'_>, side: ExitSide, known: &[Start], starts: &mut Vec<Start>) {
         let &Contact { program, ray, t, face, .. } = contact;
-        let first = starts.len();
         let inside = starts_inside(contact.slope(), 0.0, side);
-        starts.push(Start { surface: face.surface, placement: face.placement, inside });
+        let own = Start { surface: face.surface, placement: face.placement, inside };
+        self.append_on(program, (ray, t), (own, side), known, starts);
+    }
+
+    /// Like [`append_at`](StartSurfaces::append_at), for a known side of the surface of the crossing.
+    pub fn append_on(
+        &self,
+        program: &Program,
+        (ray, t): (&Ray, f64),
+        (own, side): (Start, ExitSide),
+        known: &[Start],
+        starts: &mut Vec<Start>,
+    ) {
+        let first = starts.len();
+        starts.push(own);
         self.append_others(program, (ray, t), first, side, starts);
         keep_sides((t, side), known, &mut starts[first + 1..]);
     }
@@ -590,16 +662,7 @@ impl<'a> Contact<'a> {
     /// [`rayweave_model::attributes::world_gradient`].
     #[inline]
     fn slope(&self) -> f64 {
-        let up =
-            self.maps.iter().rev().fold(self.gradient, |gradient, map| map.linear.transpose() * gradient);
-        let largest = up.abs().max_element();
-        let gradient = match largest {
-            // planes across an axis need no division
-            1.0 => up,
-            _ if largest > 0.0 => up / largest,
-            _ => Vec3::ZERO,
-        };
-        gradient.dot(self.ray.direction)
+        outer_gradient(self.gradient, self.maps).dot(self.ray.direction)
     }
 
     /// The point of the crossing, projected onto the surface by one Newton step along a normal.
@@ -608,6 +671,19 @@ impl<'a> Contact<'a> {
     pub fn project(&self, normal: Vec3) -> Vec3 {
         let along = self.maps.iter().fold(normal, |normal, map| map.vector(normal));
         newton_step(self.ray.at(self.t), normal, self.value / self.gradient.dot(along))
+    }
+}
+
+/// A gradient in the world, up to a positive factor; `maps` lead into its frame.
+#[inline]
+fn outer_gradient(gradient: Vec3, maps: &[Affine]) -> Vec3 {
+    let up = maps.iter().rev().fold(gradient, |gradient, map| map.linear.transpose() * gradient);
+    let largest = up.abs().max_element();
+    match largest {
+        // planes across an axis need no division
+        1.0 => up,
+        _ if largest > 0.0 => up / largest,
+        _ => Vec3::ZERO,
     }
 }
 

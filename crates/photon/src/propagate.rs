@@ -439,7 +439,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             let stage = self.advance(i, true);
             self.stages.push(stage);
         }
-        self.bare.apply();
+        self.bare.apply(self.detector.starts.planes());
         for i in 0..self.chunk.len() {
             self.conclude(i, self.stages[i]);
         }
@@ -507,11 +507,27 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         if own == other || !detector.is_bare(regions) {
             return None;
         }
-        let Photon { direction, polarisation, energy, .. } = self.flights[self.chunk.start + i].photon;
+        let Photon { position, direction, polarisation, energy, .. } =
+            self.flights[self.chunk.start + i].photon;
         let behind = self.index(other as usize, energy)?;
         let normal = against(self.found.normal(i), direction);
-        let block = self.draws.block(i);
-        self.bare.push(&AtInterface { direction, polarisation, normal, index, behind, block })
+        let (block, t) = (self.draws.block(i), self.found.t[i]);
+        let face = Face {
+            placement: PlacementId(self.found.placement[i]),
+            ..detector.faces[self.found.face[i] as usize]
+        };
+        let plane = detector.starts.plane(face);
+        self.bare.push(&AtInterface {
+            direction,
+            polarisation,
+            normal,
+            index,
+            behind,
+            block,
+            position,
+            t,
+            plane,
+        })
     }
 
     /// Applies what ends the step of photon `i`.
@@ -606,14 +622,21 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         let detector = self.detector;
         let ray = self.flights[self.chunk.start + i].photon.ray();
         let normal = against(self.found.normal(i), ray.direction);
-        let contact = detector.starts.contact(&detector.program, &ray, crossing);
-        let (event, direction, polarisation, is_behind) = match bare.and_then(|number| self.bare.get(number))
-        {
+        let departed = bare.and_then(|number| self.bare.get(number));
+        let (event, direction, polarisation, is_behind) = match departed {
             Some(departed) => (departed.event, departed.direction, departed.polarisation, departed.is_behind),
             None => self.scatter(i, crossing, (index, normal)),
         };
+        // that with a plane has been evaluated already
+        let contact = match departed.and_then(|departed| departed.contact) {
+            Some(point) => Ok(point),
+            None => Err(detector.starts.contact(&detector.program, &ray, crossing)),
+        };
         let photon = &mut self.flights[self.chunk.start + i].photon;
-        photon.position = contact.project(normal);
+        photon.position = match &contact {
+            Ok(point) => point.position,
+            Err(contact) => contact.project(normal),
+        };
         self.boundary_events.add(event);
         let detects_efficiency = self.settings.detection != DetectionRule::Volume;
         let detects_volume = self.settings.detection != DetectionRule::Efficiency;
@@ -637,7 +660,16 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         }
         let side = if is_behind { ExitSide::Transmitted } else { ExitSide::Incident };
         let known = StartLists { first: &self.first, entries: &self.starts }.of(self.chunk.start + i);
-        detector.starts.append_at(&contact, side, known, &mut self.next_starts);
+        match contact {
+            Ok(point) => {
+                let inside = if is_behind { point.is_falling } else { point.is_rising };
+                let Face { surface, placement, .. } = crossing.face;
+                let own = (Start { surface, placement, inside }, side);
+                let ray = (&ray, crossing.t);
+                detector.starts.append_on(&detector.program, ray, own, known, &mut self.next_starts);
+            }
+            Err(contact) => detector.starts.append_at(&contact, side, known, &mut self.next_starts),
+        }
         self.keep(i);
     }
 
