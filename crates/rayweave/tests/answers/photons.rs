@@ -3,9 +3,8 @@
 use crate::files::{listed, stem};
 use crate::hash::Hash;
 use crate::{Answers, root};
-use rayweave::Packets;
+use rayweave::{Packets, Vec3};
 use rayweave::formats::{Format, Options, parse};
-use rayweave::math::Vec3;
 use rayweave::photon::{Detector, PhotonRun, RunSettings, Source, Torch, simulate};
 use std::fs;
 
