@@ -3,9 +3,9 @@
 use crate::files::{listed, stem};
 use crate::hash::Hash;
 use crate::{Answers, root};
-use rayweave::{Packets, Vec3};
 use rayweave::formats::{Format, Options, parse};
 use rayweave::photon::{Detector, PhotonRun, RunSettings, Source, Torch, simulate};
+use rayweave::{Packets, Vec3};
 use std::fs;
 
 /// The point source in each detector: x and y in mm, the wavelength in nm and the number of photons.
