@@ -30,6 +30,8 @@ pub struct PhotonReport {
     surfaces: Vec<String>,
     /// The paths of the sensors with their numbers of hits, in the order of the detector.
     sensors: Vec<(String, u64)>,
+    /// The places of the paths in that list.
+    places: HashMap<String, usize>,
 }
 
 impl PhotonReport {
@@ -41,6 +43,7 @@ impl PhotonReport {
         sequences: Option<usize>,
         keeps_hits: bool,
     ) -> PhotonReport {
+        let sensors = detector.sensor_paths();
         PhotonReport {
             run: PhotonRun::default(),
             hits: 0,
@@ -50,7 +53,8 @@ impl PhotonReport {
             counts: counts.then(Histories::default),
             sequences: sequences.map(|most| (BTreeMap::new(), most)),
             surfaces: detector.surfaces().iter().map(|surface| surface.name.clone()).collect(),
-            sensors: detector.sensor_paths().iter().map(|(path, _)| (path.clone(), 0)).collect(),
+            sensors: sensors.iter().map(|(path, _)| (path.clone(), 0)).collect(),
+            places: (0..).zip(sensors).map(|(place, (path, _))| (path.clone(), place)).collect(),
         }
     }
 
@@ -83,15 +87,14 @@ impl PhotonReport {
         for sensor in &hits.sensor {
             counts[*sensor as usize] += 1;
         }
-        let places: HashMap<&str, usize> =
-            self.sensors.iter().enumerate().map(|(place, (path, _))| (path.as_str(), place)).collect();
-        let places: Vec<Option<usize>> =
-            hits.paths().iter().map(|path| places.get(path.as_str()).copied()).collect();
-        for ((path, place), count) in hits.paths().iter().zip(places).zip(counts) {
-            match place {
-                Some(place) => self.sensors[place].1 += count,
+        for (path, count) in hits.paths().iter().zip(counts) {
+            match self.places.get(path) {
+                Some(&place) => self.sensors[place].1 += count,
                 // of a detector with too many placements for a list in advance
-                None => self.sensors.push((path.clone(), count)),
+                None => {
+                    self.places.insert(path.clone(), self.sensors.len());
+                    self.sensors.push((path.clone(), count));
+                }
             }
         }
     }

@@ -23,6 +23,12 @@ pub struct StartSurfaces {
     surfaces: Vec<SurfaceId>,
     /// For each entry of the list of surfaces, a box in which no other surface is within reach; may be empty.
     alone: Vec<Bounds>,
+    /// The first entry of each placement in that list, and for each surface its position in the entries of its placement.
+    first_of_placement: Vec<u32>,
+    position: Vec<u32>,
+    /// For each entry of the list of surfaces, its place in the list of planes, `u32::MAX` for others.
+    plane_of: Vec<u32>,
+    planes: Vec<PlaneContact>,
     frames: Vec<Frame>,
     /// The maps into the frame of each placement, outermost first, one list after the other, and the first of each list.
     maps: Vec<Affine>,
@@ -47,6 +53,26 @@ struct Core {
     beyond: [Option<SurfaceId>; 6],
 }
 
+/// A sphere in the world.
+#[derive(Clone, Copy, Debug)]
+struct Ball {
+    centre: Vec3,
+    radius: f64,
+}
+
+/// The largest deviation from 1 or 0 of the products of the axes of a frame that is neither stretched nor sheared.
+const RIGID: f64 = 1e-9;
+
+impl Ball {
+    /// True if points within `slack` of one sphere are out of reach of the other one: the values of f there exceed its gradient
+    /// times half of the distance, which is more than `slack`.
+    fn is_apart(&self, other: &Ball, slack: f64) -> bool {
+        let (sum, distance) = (self.radius + other.radius, (self.centre - other.centre).length());
+        let gap = (distance - sum).max((self.radius - other.radius).abs() - distance);
+        gap > 4.0 * slack + RIGID * (sum + distance)
+    }
+}
+
 /// The frame of a placement, for a conservative test whether a surface is out of reach.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
@@ -67,10 +93,22 @@ struct Neighbours {
     /// The first cluster of each placement, and for each surface the position of its cluster in that placement.
     of_placement: Vec<u32>,
     of_surface: Vec<u32>,
-    /// For each surface, its position in the list of its cluster.
-    rank: Vec<u32>,
     /// The margin by which all boxes in the lists are grown.
     slack: f64,
+}
+
+/// A plane that rays cross, in a frame that is not turned: for callers that evaluate the contacts of several rays at once, by the
+/// operations of [`Contact`].
+#[derive(Clone, Copy, Debug)]
+pub struct PlaneContact {
+    /// The unit normal n and the offset c in the frame of the plane: f(p) = n p - c.
+    pub normal: Vec3,
+    /// See `normal`.
+    pub offset: f64,
+    /// The translation into that frame; `None` in the world.
+    pub shift: Option<Vec3>,
+    /// The gradient in the world, up to a positive factor.
+    pub gradient: Vec3,
 }
 
 /// The side of a surface on which a scattered ray leaves it.
@@ -101,7 +139,7 @@ impl StartSurfaces {
     pub fn new(program: &Program) -> StartSurfaces {
         let mut found = StartSurfaces::default();
         let mut of_surface = vec![0; program.surfaces().len()];
-        let mut rank = vec![0; program.surfaces().len()];
+        let mut position = vec![0; program.surfaces().len()];
         let mut of_placement = Vec::new();
         let mut matters = HashMap::new();
         for placement in (0..program.prototypes()[0].placements).map(PlacementId) {
@@ -129,10 +167,12 @@ impl StartSurfaces {
             found.frames.push(Frame::new(program, placement));
             found.first_map.push(found.maps.len() as u32);
             found.maps.extend(program.descend(placement).map(|place| place.local_from_world));
+            let first_of_placement = found.surfaces.len() as u32;
+            found.first_of_placement.push(first_of_placement);
             for same in placed.chunk_by(|a, b| a.0 == b.0) {
                 let first = found.surfaces.len() as u32;
-                for (k, (_, surface)) in (0..).zip(same) {
-                    rank[surface.index()] = k;
+                for (_, surface) in same {
+                    position[surface.index()] = found.surfaces.len() as u32 - first_of_placement;
                     of_surface[surface.index()] =
                         found.clusters.len() as u32 - of_placement[placement.index()];
                     found.surfaces.push(*surface);
@@ -142,12 +182,55 @@ impl StartSurfaces {
             }
         }
         found.first_map.push(found.maps.len() as u32);
+        found.position = position;
+        found.list_planes(program);
         found.tree = ExactBvh::listed(&found.boxes);
         found.neighbours =
-            Neighbours { of_placement, of_surface, rank, ..Neighbours::new(&found.boxes, &found.tree) };
+            Neighbours { of_placement, of_surface, ..Neighbours::new(&found.boxes, &found.tree) };
         found.cores = (0..found.clusters.len()).map(|k| found.core(program, k)).collect();
-        found.alone = (0..found.clusters.len()).flat_map(|k| found.alone_in(k)).collect();
+        found.alone = (0..found.clusters.len()).flat_map(|k| found.alone_in(program, k)).collect();
         found
+    }
+
+    /// Lists the planes in frames that are not turned.
+    fn list_planes(&mut self, program: &Program) {
+        for cluster in &self.clusters {
+            let k = cluster.placement.index();
+            let maps = &self.maps[self.first_map[k] as usize..self.first_map[k + 1] as usize];
+            let shift = match maps {
+                [] => Some(None),
+                [map] => (map.linear == Affine::IDENTITY.linear).then_some(Some(map.translation)),
+                _ => None,
+            };
+            for &surface in &self.surfaces[cluster.surfaces.start as usize..cluster.surfaces.end as usize] {
+                let plane = match (&program.surface(surface).surface, shift) {
+                    (Surface::Plane(plane), Some(shift)) => Some(PlaneContact {
+                        normal: plane.normal,
+                        offset: plane.offset,
+                        shift,
+                        gradient: outer_gradient(plane.normal, maps),
+                    }),
+                    _ => None,
+                };
+                self.plane_of.push(plane.map_or(u32::MAX, |_| self.planes.len() as u32));
+                self.planes.extend(plane);
+            }
+        }
+    }
+
+    /// The planes in frames that are not turned.
+    #[must_use]
+    pub fn planes(&self) -> &[PlaneContact] {
+        &self.planes
+    }
+
+    /// The place of the plane of a face in [`planes`](StartSurfaces::planes), if it is one.
+    #[must_use]
+    #[inline]
+    pub fn plane(&self, face: Face) -> Option<u32> {
+        let first = self.first_of_placement[face.placement.index()];
+        let plane = self.plane_of[(first + self.position[face.surface.index()]) as usize];
+        (plane != u32::MAX).then_some(plane)
     }
 
     /// The surfaces with their boxes; `None` if some belong to placed solids.
@@ -198,7 +281,7 @@ impl StartSurfaces {
 
     /// For each surface of a cluster, a box in which all other surfaces are out of reach: the part of its face that is far
     /// from the edges of its cluster and from its neighbours. Empty where no such box is found.
-    fn alone_in(&self, k: usize) -> Vec<Bounds> {
+    fn alone_in(&self, program: &Program, k: usize) -> Vec<Bounds> {
         let slack = self.neighbours.slack;
         let Core { bounds: core, beyond } = self.cores[k];
         let surfaces = self.surfaces_of(&self.clusters[k]);
@@ -231,7 +314,14 @@ impl StartSurfaces {
             if all.is_break() {
                 return Bounds::EMPTY;
             }
+            let ball = self.ball(program, k);
             for other in near.into_iter().filter(|&other| other != k) {
+                // a ball within another one lies in its box
+                if let (Some(ball), Some(other)) = (ball, self.ball(program, other))
+                    && ball.is_apart(&other, slack)
+                {
+                    continue;
+                }
                 face = self.without(face, other);
             }
             face
@@ -258,6 +348,18 @@ impl StartSurfaces {
         };
         let largest = parts.into_iter().filter(|part| !part.is_empty());
         largest.max_by(|a, b| volume(a).total_cmp(&volume(b))).unwrap_or(Bounds::EMPTY)
+    }
+
+    /// The sphere of a cluster of only one surface, in the world, if its frame is neither stretched nor sheared.
+    fn ball(&self, program: &Program, k: usize) -> Option<Ball> {
+        let cluster = &self.clusters[k];
+        let &[surface] = self.surfaces_of(cluster) else { return None };
+        let Surface::Sphere(sphere) = &program.surface(surface).surface else { return None };
+        let (up, _) = program.placement(cluster.placement);
+        let square = up.linear.transpose() * up.linear;
+        let is_rigid =
+            (0..3).all(|i| (0..3).all(|j| (square.col(i)[j] - if i == j { 1.0 } else { 0.0 }).abs() < RIGID));
+        is_rigid.then(|| Ball { centre: up.point(sphere.centre), radius: sphere.radius })
     }
 
     fn surfaces_of(&self, cluster: &Cluster) -> &[SurfaceId] {
@@ -302,9 +404,22 @@ impl StartSurfaces {
     /// tolerance. `known` is the start list of the incident ray, as for [`append`](StartSurfaces::append).
     pub fn append_at(&self, contact: &Contact<'_>, side: ExitSide, known: &[Start], starts: &mut Vec<Start>) {
         let &Contact { program, ray, t, face, .. } = contact;
-        let first = starts.len();
         let inside = starts_inside(contact.slope(), 0.0, side);
-        starts.push(Start { surface: face.surface, placement: face.placement, inside });
+        let own = Start { surface: face.surface, placement: face.placement, inside };
+        self.append_on(program, (ray, t), (own, side), known, starts);
+    }
+
+    /// Like [`append_at`](StartSurfaces::append_at), for a known side of the surface of the crossing.
+    pub fn append_on(
+        &self,
+        program: &Program,
+        (ray, t): (&Ray, f64),
+        (own, side): (Start, ExitSide),
+        known: &[Start],
+        starts: &mut Vec<Start>,
+    ) {
+        let first = starts.len();
+        starts.push(own);
         self.append_others(program, (ray, t), first, side, starts);
         keep_sides((t, side), known, &mut starts[first + 1..]);
     }
@@ -358,8 +473,7 @@ impl StartSurfaces {
 
     /// True if no other surface is within reach of a point on a surface, for tolerances within the slack.
     fn is_alone(&self, own: &Start, point: Vec3) -> bool {
-        let cluster = &self.clusters[self.neighbours.cluster(own)];
-        let at = cluster.surfaces.start + self.neighbours.rank[own.surface.index()];
+        let at = self.first_of_placement[own.placement.index()] + self.position[own.surface.index()];
         self.alone[at as usize].contains(point)
     }
 
@@ -548,11 +662,7 @@ impl<'a> Contact<'a> {
     /// [`rayweave_model::attributes::world_gradient`].
     #[inline]
     fn slope(&self) -> f64 {
-        let up =
-            self.maps.iter().rev().fold(self.gradient, |gradient, map| map.linear.transpose() * gradient);
-        let largest = up.abs().max_element();
-        let gradient = if largest > 0.0 { up / largest } else { Vec3::ZERO };
-        gradient.dot(self.ray.direction)
+        outer_gradient(self.gradient, self.maps).dot(self.ray.direction)
     }
 
     /// The point of the crossing, projected onto the surface by one Newton step along a normal.
@@ -561,6 +671,19 @@ impl<'a> Contact<'a> {
     pub fn project(&self, normal: Vec3) -> Vec3 {
         let along = self.maps.iter().fold(normal, |normal, map| map.vector(normal));
         newton_step(self.ray.at(self.t), normal, self.value / self.gradient.dot(along))
+    }
+}
+
+/// A gradient in the world, up to a positive factor; `maps` lead into its frame.
+#[inline]
+fn outer_gradient(gradient: Vec3, maps: &[Affine]) -> Vec3 {
+    let up = maps.iter().rev().fold(gradient, |gradient, map| map.linear.transpose() * gradient);
+    let largest = up.abs().max_element();
+    match largest {
+        // planes across an axis need no division
+        1.0 => up,
+        _ if largest > 0.0 => up / largest,
+        _ => Vec3::ZERO,
     }
 }
 
@@ -611,7 +734,8 @@ mod tests {
             cube.place(grid.clone()),
             cube.place(maps.clone()),
             inner.place(maps),
-            shape("sphere", "radius", 1.0).place(grid),
+            shape("sphere", "radius", 1.0).place(grid.clone()),
+            shape("sphere", "radius", 0.5).place(grid),
         ];
         let region =
             |(k, solid): (u32, &Solid)| Region { name: format!("{k}"), solid: solid.clone(), medium: k + 1 };

@@ -65,7 +65,8 @@ impl Hits {
         self.volumes.copies()
     }
 
-    /// Adds a hit in the volume of a region that is entered through a face. `known` keeps paths for further hits.
+    /// Adds a hit in the volume of a region that is entered through a face. The number of its sensor is that in `known`, which
+    /// keeps paths for further hits, until [`sort`](Hits::sort).
     pub(crate) fn push(
         &mut self,
         (event, number): (u32, u64),
@@ -87,11 +88,11 @@ impl Hits {
         self.time.push(photon.time);
         self.wavelength_nm.push(wavelength_nm(photon.energy));
         self.steps.push(i64::from(steps));
-        self.sensor.push(self.volumes.number_from(known, detector, region, Some(face)));
+        self.sensor.push(known.number(detector, region, Some(face)));
     }
 
-    /// Sorts by the number of the photon, then by steps; equal ones keep their order.
-    pub(crate) fn sort(&mut self) {
+    /// Sorts by the number of the photon, then by steps; equal ones keep their order. `known` are the paths of the sensors.
+    pub(crate) fn sort(&mut self, known: &VolumePaths) {
         let mut order: Vec<usize> = (0..self.len()).collect();
         order.sort_by_key(|&row| (self.photon[row], self.steps[row]));
         let vectors = [&mut self.position, &mut self.direction, &mut self.polarisation];
@@ -102,7 +103,7 @@ impl Hits {
         }
         self.sensor = order.iter().map(|&row| self.sensor[row]).collect();
         // in the order of the sorted hits, so that the numbers do not depend on the batches of a run
-        self.volumes.renumber(&mut self.sensor);
+        self.volumes = known.used_by(&mut self.sensor);
     }
 
     /// Numbers the sensors in the order of the detector ([`Detector::sensor_paths`]), with those without hits: equal numbers in all

@@ -130,8 +130,8 @@ pub(crate) const MAX_SHIFTERS: usize = 2;
 const MAX_PROCESSES: usize = 3 + MAX_SHIFTERS;
 
 impl MaterialValues {
-    /// Of no energy.
-    pub const NONE: MaterialValues = MaterialValues {
+    /// Of no energy and no process.
+    const NONE: MaterialValues = MaterialValues {
         energy: f64::NAN,
         index: None,
         velocity: LIGHT_SPEED,
@@ -139,17 +139,25 @@ impl MaterialValues {
         count: 0,
     };
 
-    /// The values at an energy.
-    #[inline]
-    pub fn new(table: &ValueTable, energy: f64) -> MaterialValues {
-        let mut values = MaterialValues { energy, count: table.processes.len(), ..MaterialValues::NONE };
-        let [index, velocity, paths @ ..] = table.pieces(energy) else { return values };
-        values.index = table.has_index.then(|| index.at(energy));
-        values.velocity = velocity.at(energy);
-        for ((path, piece), process) in values.paths.iter_mut().zip(paths).zip(&table.processes) {
-            *path = (piece.at(energy), *process);
+    /// Of no energy yet, for the processes of a material.
+    pub fn new(table: &ValueTable) -> MaterialValues {
+        let mut values = MaterialValues { count: table.processes.len(), ..MaterialValues::NONE };
+        for (path, process) in values.paths.iter_mut().zip(&table.processes) {
+            path.1 = *process;
         }
         values
+    }
+
+    /// Sets the values to those at an energy.
+    #[inline]
+    pub fn set(&mut self, table: &ValueTable, energy: f64) {
+        self.energy = energy;
+        let [index, velocity, paths @ ..] = table.pieces(energy) else { return };
+        self.index = table.has_index.then(|| index.at(energy));
+        self.velocity = velocity.at(energy);
+        for (path, piece) in self.paths.iter_mut().zip(paths) {
+            path.0 = piece.at(energy);
+        }
     }
 
     /// True if these are the values at an energy.
@@ -207,6 +215,7 @@ impl ValueTable {
     }
 
     /// The pieces of the properties at an energy.
+    #[inline]
     fn pieces(&self, energy: f64) -> &[Piece] {
         let first = interval(&self.energies, energy) * self.width;
         &self.pieces[first..first + self.width]

@@ -169,12 +169,12 @@ struct Batch<'d, E: Evaluator, R: Recorder> {
     scratch: E::Scratch,
     emitted: Vec<Photon>,
     flights: Vec<Flight>,
-    /// The photons of a chunk that go on.
-    next: Vec<Flight>,
+    /// The number of photons that go on so far; they replace the first ones.
+    kept: usize,
+    /// Further photons of wavelength shifters, each with the number of those that go on before it.
+    born: Vec<(usize, Flight)>,
     /// The photons with crossings and random numbers.
     chunk: Range<usize>,
-    /// The same photons in the start lists, which are not moved when a chunk grows.
-    listed: Range<usize>,
     tables: Vec<ValueTable>,
     /// The last values of each material: many photons have the same energy.
     values: Vec<MaterialValues>,
@@ -261,6 +261,7 @@ enum Stage {
 
 impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     fn new(detector: &'d Detector, evaluator: &'d E, settings: &'d RunSettings, recorder: R) -> Self {
+        let tables: Vec<ValueTable> = detector.materials.iter().map(ValueTable::new).collect();
         Batch {
             detector,
             evaluator,
@@ -268,11 +269,11 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             scratch: evaluator.scratch(),
             emitted: Vec::new(),
             flights: Vec::new(),
-            next: Vec::new(),
+            kept: 0,
+            born: Vec::new(),
             chunk: 0..0,
-            listed: 0..0,
-            tables: detector.materials.iter().map(ValueTable::new).collect(),
-            values: vec![MaterialValues::NONE; detector.materials.len()],
+            values: tables.iter().map(MaterialValues::new).collect(),
+            tables,
             draws: Draws::new(),
             rays: RayBatch::default(),
             regions: Vec::new(),
@@ -306,7 +307,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             }
         }
         // by photon number, whatever the number of steps
-        self.result.hits.sort();
+        self.result.hits.sort(&self.paths);
         self.result.hits.genstep = source.parents(&self.result.hits.photon);
         self.result.ends = self.ends.take();
         self.result.boundary_events = self.boundary_events.take();
@@ -338,23 +339,17 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
 
     /// One step of all photons, chunk by chunk. Those that go on replace the others, in the same order.
     fn step_all(&mut self) {
-        let (mut first, mut kept, mut listed) = (0, 0, 0);
-        while first < self.flights.len() {
-            let end = self.flights.len().min(first + CHUNK);
-            self.chunk = first..end;
-            self.listed = listed..listed + self.chunk.len();
+        self.kept = 0;
+        for first in (0..self.flights.len()).step_by(CHUNK) {
+            self.chunk = first..self.flights.len().min(first + CHUNK);
             self.find();
-            self.draws.compute(self.settings.seed, &self.flights[first..end]);
+            self.draws.compute(self.settings.seed, &self.flights[self.chunk.clone()]);
             self.step_chunk();
-            let more = kept + self.next.len();
-            match self.flights.get_mut(kept..more).filter(|_| more <= end) {
-                Some(place) => place.copy_from_slice(&self.next),
-                None => drop(self.flights.splice(kept..end, self.next.iter().copied())),
-            }
-            (first, kept, listed) = (end.max(more), more, self.listed.end);
-            self.next.clear();
         }
-        self.flights.truncate(kept);
+        self.flights.truncate(self.kept);
+        if !self.born.is_empty() {
+            self.insert_born();
+        }
         std::mem::swap(&mut self.first, &mut self.next_first);
         std::mem::swap(&mut self.starts, &mut self.next_starts);
         self.next_starts.clear();
@@ -362,9 +357,25 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.next_first.push(0);
     }
 
-    /// Keeps a photon for the next step; its start list has been appended already.
-    fn continue_with(&mut self, flight: Flight) {
-        self.next.push(flight);
+    /// Inserts the further photons of wavelength shifters at their places.
+    fn insert_born(&mut self) {
+        let old = std::mem::take(&mut self.flights);
+        let mut from = 0;
+        for (at, flight) in self.born.drain(..) {
+            self.flights.extend_from_slice(&old[from..at]);
+            self.flights.push(flight);
+            from = at;
+        }
+        self.flights.extend_from_slice(&old[from..]);
+    }
+
+    /// Keeps photon `i` of the chunk for the next step; its start list has been appended already.
+    fn keep(&mut self, i: usize) {
+        let at = self.chunk.start + i;
+        if self.kept != at {
+            self.flights[self.kept] = self.flights[at];
+        }
+        self.kept += 1;
         self.next_first.push(self.next_starts.len() as u32);
     }
 
@@ -375,7 +386,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.rays.replace(flights.iter().map(ray));
         self.regions.clear();
         self.regions.extend(flights.iter().map(|flight| flight.region));
-        let lists = StartLists { first: &self.first, entries: &self.starts }.slice(self.listed.clone());
+        let lists = StartLists { first: &self.first, entries: &self.starts }.slice(self.chunk.clone());
         // rays with a start list, even an empty one, may start inside
         let query = Query { starts: Some(lists), ..Query::nearest() };
         self.found.reset(flights.len());
@@ -389,10 +400,15 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         }
     }
 
-    /// Ends a photon, at the surface of a crossing or in the volume.
-    fn end(&mut self, flight: &Flight, end: End, at: Option<&Crossing>) {
-        self.recorder.record(self.detector, flight, Process::End(end), at);
+    /// Ends photon `i` of the chunk, at the surface of a crossing or in the volume.
+    fn end(&mut self, i: usize, end: End, at: Option<&Crossing>) {
+        self.record(i, Process::End(end), at);
         self.ends.add(end);
+    }
+
+    /// Records a process of photon `i` of the chunk.
+    fn record(&mut self, i: usize, process: Process, at: Option<&Crossing>) {
+        self.recorder.record(self.detector, &self.flights[self.chunk.start + i], process, at);
     }
 
     /// The crossing of photon `i` of the chunk, if it has one.
@@ -423,7 +439,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             let stage = self.advance(i, true);
             self.stages.push(stage);
         }
-        self.bare.apply();
+        self.bare.apply(self.detector.starts.planes());
         for i in 0..self.chunk.len() {
             self.conclude(i, self.stages[i]);
         }
@@ -452,7 +468,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         let medium = detector.material_of[region] as usize;
         let energy = flight.photon.energy;
         if !self.values[medium].is_at(energy) {
-            self.values[medium] = MaterialValues::new(&self.tables[medium], energy);
+            self.values[medium].set(&self.tables[medium], energy);
         }
         let values = &self.values[medium];
         let Some(index) = values.index else {
@@ -491,79 +507,103 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         if own == other || !detector.is_bare(regions) {
             return None;
         }
-        let Photon { direction, polarisation, energy, .. } = self.flights[self.chunk.start + i].photon;
+        let Photon { position, direction, polarisation, energy, .. } =
+            self.flights[self.chunk.start + i].photon;
         let behind = self.index(other as usize, energy)?;
         let normal = against(self.found.normal(i), direction);
-        let block = self.draws.block(i);
-        self.bare.push(&AtInterface { direction, polarisation, normal, index, behind, block })
+        let (block, t) = (self.draws.block(i), self.found.t[i]);
+        let face = Face {
+            placement: PlacementId(self.found.placement[i]),
+            ..detector.faces[self.found.face[i] as usize]
+        };
+        let plane = detector.starts.plane(face);
+        self.bare.push(&AtInterface {
+            direction,
+            polarisation,
+            normal,
+            index,
+            behind,
+            block,
+            position,
+            t,
+            plane,
+        })
     }
 
     /// Applies what ends the step of photon `i`.
     fn conclude(&mut self, i: usize, stage: Stage) {
-        let flight = self.flights[self.chunk.start + i];
         match stage {
-            Stage::End(end) => self.end(&flight, end, None),
+            Stage::End(end) => self.end(i, end, None),
             Stage::Bulk(process) => {
                 let medium = self.detector.material_of[self.found.before[i] as usize] as usize;
-                self.bulk(flight, &self.detector.materials[medium], process);
+                self.bulk(i, &self.detector.materials[medium], process);
             }
             Stage::Boundary(index, bare) => {
                 if let Some(crossing) = self.crossing(i) {
-                    self.boundary(i, flight, &crossing, (index, bare));
+                    self.boundary(i, &crossing, (index, bare));
                 }
             }
         }
     }
 
     /// A process in the material.
-    fn bulk(&mut self, mut flight: Flight, material: &OpticalMaterial, process: Bulk) {
-        let stream = |purpose| Stream::new(self.settings.seed, flight.number, flight.steps, purpose);
+    fn bulk(&mut self, i: usize, material: &OpticalMaterial, process: Bulk) {
+        let seed = self.settings.seed;
+        let flight = &mut self.flights[self.chunk.start + i];
+        let stream = || Stream::new(seed, flight.number, flight.steps, Purpose::Scattering);
         let Photon { direction, polarisation, .. } = flight.photon;
         let scattered = match process {
-            Bulk::Absorption => return self.end(&flight, End::Absorbed, None),
-            Bulk::Shift(shifter) => return self.shift(flight, material, shifter),
-            Bulk::Rayleigh => scatter::rayleigh(direction, polarisation, &mut stream(Purpose::Scattering)),
+            Bulk::Absorption => return self.end(i, End::Absorbed, None),
+            Bulk::Shift(shifter) => return self.shift(i, material, shifter),
+            Bulk::Rayleigh => scatter::rayleigh(direction, polarisation, &mut stream()),
             Bulk::Mie => match &material.mie {
-                Some(mie) => scatter::mie(mie, direction, polarisation, &mut stream(Purpose::Scattering)),
+                Some(mie) => scatter::mie(mie, direction, polarisation, &mut stream()),
                 None => (direction, polarisation),
             },
         };
         (flight.photon.direction, flight.photon.polarisation) = scattered;
-        let process = if matches!(process, Bulk::Mie) { Process::Mie } else { Process::Rayleigh };
-        self.recorder.record(self.detector, &flight, process, None);
-        self.continue_with(flight);
+        self.record(i, if matches!(process, Bulk::Mie) { Process::Mie } else { Process::Rayleigh }, None);
+        self.keep(i);
     }
 
     /// Absorption and emission by a wavelength shifter.
-    fn shift(&mut self, flight: Flight, material: &OpticalMaterial, shifter: u8) {
+    fn shift(&mut self, i: usize, material: &OpticalMaterial, shifter: u8) {
+        let absorbed = self.flights[self.chunk.start + i];
         let shifter = &material.shifters[usize::from(shifter)];
-        let mut stream = Stream::new(self.settings.seed, flight.number, flight.steps, Purpose::Reemission);
+        let mut stream =
+            Stream::new(self.settings.seed, absorbed.number, absorbed.steps, Purpose::Reemission);
         let count = shifter.mean_photons.map_or(1, |mean| stream.poisson(mean));
         // each of them may be absorbed and emitted again: their number has no limit
         let bytes =
-            ((self.flights.len() + self.next.len()) as u64 + u64::from(count)) * size_of::<Flight>() as u64;
+            ((self.flights.len() + self.born.len()) as u64 + u64::from(count)) * size_of::<Flight>() as u64;
         if let Err(shortage) = self.growth.check(bytes) {
             self.shortage = Some(shortage);
             return;
         }
         let mut emitted = 0;
         for _ in 0..count {
-            let Some(energy) = shifter.spectrum.quantile(stream.uniform(), flight.photon.energy) else {
+            let Some(energy) = shifter.spectrum.quantile(stream.uniform(), absorbed.photon.energy) else {
                 continue;
             };
             let direction = stream.direction();
             let polarisation = stream.polarisation(direction);
-            let time = flight.photon.time + shifter.time;
-            let photon = Photon { position: flight.photon.position, direction, polarisation, energy, time };
+            let time = absorbed.photon.time + shifter.time;
+            let photon = Photon { position: absorbed.photon.position, direction, polarisation, energy, time };
             // further photons have random numbers of their own
-            let number = if emitted == 0 { flight.number } else { secondary(flight, emitted) };
-            let flight = Flight { number, photon, ..flight };
+            let number = if emitted == 0 { absorbed.number } else { secondary(absorbed, emitted) };
+            let flight = Flight { number, photon, ..absorbed };
             self.recorder.record(self.detector, &flight, Process::Reemission, None);
-            self.continue_with(flight);
+            if emitted == 0 {
+                self.flights[self.chunk.start + i] = flight;
+                self.keep(i);
+            } else {
+                self.born.push((self.kept, flight));
+                self.next_first.push(self.next_starts.len() as u32);
+            }
             emitted += 1;
         }
         match emitted {
-            0 => self.end(&flight, End::ShifterAbsorbed, None),
+            0 => self.end(i, End::ShifterAbsorbed, None),
             _ => self.result.photons += u64::from(emitted) - 1,
         }
     }
@@ -578,61 +618,71 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
 
     /// The optical boundary process for photon `i` of the chunk; `index` is that in front of the crossing, and `bare` the number
     /// of the photon among those at bare interfaces.
-    fn boundary(
-        &mut self,
-        i: usize,
-        mut flight: Flight,
-        crossing: &Crossing,
-        (index, bare): (f64, Option<u32>),
-    ) {
+    fn boundary(&mut self, i: usize, crossing: &Crossing, (index, bare): (f64, Option<u32>)) {
         let detector = self.detector;
-        let ray = flight.photon.ray();
+        let ray = self.flights[self.chunk.start + i].photon.ray();
         let normal = against(self.found.normal(i), ray.direction);
-        let contact = detector.starts.contact(&detector.program, &ray, crossing);
-        flight.photon.position = contact.project(normal);
-        let (event, is_behind) = match bare.and_then(|number| self.bare.get(number)) {
-            Some(departed) => {
-                (flight.photon.direction, flight.photon.polarisation) =
-                    (departed.direction, departed.polarisation);
-                (departed.event, departed.is_behind)
-            }
-            None => self.scatter(i, &mut flight, crossing, (index, normal)),
+        let departed = bare.and_then(|number| self.bare.get(number));
+        let (event, direction, polarisation, is_behind) = match departed {
+            Some(departed) => (departed.event, departed.direction, departed.polarisation, departed.is_behind),
+            None => self.scatter(i, crossing, (index, normal)),
+        };
+        // that with a plane has been evaluated already
+        let contact = match departed.and_then(|departed| departed.contact) {
+            Some(point) => Ok(point),
+            None => Err(detector.starts.contact(&detector.program, &ray, crossing)),
+        };
+        let photon = &mut self.flights[self.chunk.start + i].photon;
+        photon.position = match &contact {
+            Ok(point) => point.position,
+            Err(contact) => contact.project(normal),
         };
         self.boundary_events.add(event);
         let detects_efficiency = self.settings.detection != DetectionRule::Volume;
         let detects_volume = self.settings.detection != DetectionRule::Efficiency;
         match event {
             BoundaryEvent::Detection if detects_efficiency => {
-                self.recorder.record(detector, &flight, event.into(), Some(crossing));
-                return self.detect(&flight, crossing);
+                self.record(i, event.into(), Some(crossing));
+                return self.detect(i, crossing);
             }
             BoundaryEvent::Detection | BoundaryEvent::Absorption => {
-                return self.end(&flight, End::SurfaceAbsorbed, Some(crossing));
+                return self.end(i, End::SurfaceAbsorbed, Some(crossing));
             }
-            BoundaryEvent::NoIndex => return self.end(&flight, End::NoIndex, Some(crossing)),
+            BoundaryEvent::NoIndex => return self.end(i, End::NoIndex, Some(crossing)),
             _ => {}
         }
-        self.recorder.record(detector, &flight, event.into(), Some(crossing));
+        (photon.direction, photon.polarisation) = (direction, polarisation);
+        self.record(i, event.into(), Some(crossing));
         if is_behind && detects_volume && detector.sensors[crossing.after.index()].is_some() {
-            self.recorder.enter_sensor(detector, &flight, crossing);
-            return self.detect(&flight, crossing);
+            let flight = &self.flights[self.chunk.start + i];
+            self.recorder.enter_sensor(detector, flight, crossing);
+            return self.detect(i, crossing);
         }
         let side = if is_behind { ExitSide::Transmitted } else { ExitSide::Incident };
-        let known = StartLists { first: &self.first, entries: &self.starts }.of(self.listed.start + i);
-        detector.starts.append_at(&contact, side, known, &mut self.next_starts);
-        self.continue_with(flight);
+        let known = StartLists { first: &self.first, entries: &self.starts }.of(self.chunk.start + i);
+        match contact {
+            Ok(point) => {
+                let inside = if is_behind { point.is_falling } else { point.is_rising };
+                let Face { surface, placement, .. } = crossing.face;
+                let own = (Start { surface, placement, inside }, side);
+                let ray = (&ray, crossing.t);
+                detector.starts.append_on(&detector.program, ray, own, known, &mut self.next_starts);
+            }
+            Err(contact) => detector.starts.append_at(&contact, side, known, &mut self.next_starts),
+        }
+        self.keep(i);
     }
 
-    /// Applies the boundary process to a photon, unless that ends it. Returns the event, and true if the photon continues behind
-    /// the boundary.
+    /// The boundary process of photon `i`: the event, the direction and the polarisation after it, and true if the photon continues
+    /// behind the boundary.
     fn scatter(
         &self,
         i: usize,
-        flight: &mut Flight,
         crossing: &Crossing,
         (index, normal): (f64, Vec3),
-    ) -> (BoundaryEvent, bool) {
+    ) -> (BoundaryEvent, Vec3, Vec3, bool) {
         let detector = self.detector;
+        let flight = &self.flights[self.chunk.start + i];
         let energy = flight.photon.energy;
         let [own, other] =
             [crossing.before, crossing.after].map(|region| detector.material_of[region.index()]);
@@ -648,16 +698,11 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         };
         let mut stream = self.draws.boundary(i, self.settings.seed, flight);
         let (event, is_behind) = boundary.apply(&mut stream);
-        let ends =
-            matches!(event, BoundaryEvent::Detection | BoundaryEvent::Absorption | BoundaryEvent::NoIndex);
-        if !ends {
-            (flight.photon.direction, flight.photon.polarisation) =
-                (boundary.direction, boundary.polarisation);
-        }
-        (event, is_behind)
+        (event, boundary.direction, boundary.polarisation, is_behind)
     }
 
-    fn detect(&mut self, flight: &Flight, crossing: &Crossing) {
+    fn detect(&mut self, i: usize, crossing: &Crossing) {
+        let flight = &self.flights[self.chunk.start + i];
         let volume = (crossing.after.0, crossing.entered);
         self.result.hits.push(
             (self.settings.event, flight.origin),

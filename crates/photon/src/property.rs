@@ -39,7 +39,9 @@ pub(crate) struct Piece {
 impl Piece {
     #[inline]
     pub fn at(&self, energy: f64) -> f64 {
-        self.value + self.rise * ((energy - self.start) / self.width)
+        // a sum in this case too, which is never -0
+        let rise = if self.rise == 0.0 { 0.0 } else { self.rise * ((energy - self.start) / self.width) };
+        self.value + rise
     }
 }
 

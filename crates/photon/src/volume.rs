@@ -67,32 +67,20 @@ impl VolumePaths {
         number
     }
 
-    /// Like [`number`](VolumePaths::number), with a list from which paths that are already known are copied.
-    pub fn number_from(
-        &mut self,
-        known: &mut VolumePaths,
-        detector: &Detector,
-        region: u32,
-        face: Option<Face>,
-    ) -> u32 {
-        let number = known.number(detector, region, face) as usize;
-        self.insert(&known.names[number], known.copies[number])
-    }
-
     /// Adds the paths of another list; returns the number of each of them.
     pub fn absorb(&mut self, other: &VolumePaths) -> Vec<u32> {
         other.names.iter().zip(&other.copies).map(|(path, &copy)| self.insert(path, copy)).collect()
     }
 
-    /// Numbers the paths in the order in which `used` has them, without the others, and replaces the numbers.
-    pub fn renumber(&mut self, used: &mut [u32]) {
+    /// The paths that `used` has, in this order, without the others; replaces the numbers.
+    pub fn used_by(&self, used: &mut [u32]) -> VolumePaths {
         let mut ordered = VolumePaths::default();
         let mut numbers = vec![None; self.names.len()];
         for number in used {
             let old = *number as usize;
             *number = *numbers[old].get_or_insert_with(|| ordered.insert(&self.names[old], self.copies[old]));
         }
-        *self = ordered;
+        ordered
     }
 
     /// Numbers the paths in a given order, those that it lacks behind them, and replaces the numbers.

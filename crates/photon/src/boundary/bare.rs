@@ -7,6 +7,7 @@ use crate::philox::UNIT;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
+use rayweave_optics::start_surfaces::PlaneContact;
 use rayweave_shape::dispatch_wide;
 use rayweave_shape::lanes::{LANES, Lanes, Mask, Vec3Lanes, WideLevel, splat};
 
@@ -31,6 +32,15 @@ struct Group {
     behind: Row,
     /// The uniform number that decides between reflection and refraction.
     uniform: Row,
+    position: [Row; 3],
+    /// The time of the crossing.
+    t: Row,
+    /// The place of the plane in the list of planes, for photons at one.
+    plane: [u32; LANES],
+    /// Bit masks of the photons at planes, and of those that move along and against the gradient there.
+    on_plane: u64,
+    rising: u64,
+    falling: u64,
     /// Bit masks of the photons that are refracted, totally reflected, and behind the interface.
     refracted: u64,
     total: u64,
@@ -50,6 +60,11 @@ pub(crate) struct AtInterface {
     pub behind: f64,
     /// The first block of its random numbers.
     pub block: [u32; 4],
+    pub position: Vec3,
+    /// The time of the crossing.
+    pub t: f64,
+    /// The place of the plane in the list of planes, if it is at one of them.
+    pub plane: Option<u32>,
 }
 
 /// A photon after the process.
@@ -59,6 +74,19 @@ pub(crate) struct Departed {
     pub direction: Vec3,
     pub polarisation: Vec3,
     pub is_behind: bool,
+    /// The contact with a plane.
+    pub contact: Option<PlanePoint>,
+}
+
+/// The contact of a photon with a plane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlanePoint {
+    /// The point of the crossing, projected onto the plane.
+    pub position: Vec3,
+    /// True if the photon comes from the side where f < 0.
+    pub is_rising: bool,
+    /// True if it comes from the side where f > 0.
+    pub is_falling: bool,
 }
 
 impl BareInterfaces {
@@ -83,21 +111,27 @@ impl BareInterfaces {
             group.direction[k][lane] = photon.direction[k];
             group.polarisation[k][lane] = photon.polarisation[k];
             group.normal[k][lane] = photon.normal[k];
+            group.position[k][lane] = photon.position[k];
         }
         group.index[lane] = photon.index;
         group.behind[lane] = photon.behind;
         // the first number of the block decides about losses at the surface: there are none
         let [.., high, low] = photon.block.map(u64::from);
         group.uniform[lane] = ((high << 21 | low >> 11) as f64 + 0.5) * UNIT;
+        group.t[lane] = photon.t;
+        if let Some(plane) = photon.plane {
+            group.plane[lane] = plane;
+            group.on_plane |= 1 << lane;
+        }
         self.count += 1;
         Some(self.count as u32 - 1)
     }
 
-    /// Applies the process to all photons.
-    pub fn apply(&mut self) {
+    /// Applies the process to all photons; `planes` are those that they may be at.
+    pub fn apply(&mut self, planes: &[PlaneContact]) {
         let Some(level) = self.level else { return };
         let groups = &mut self.groups[..];
-        dispatch_wide!(level, simd => apply_all(simd, groups));
+        dispatch_wide!(level, simd => apply_all(simd, groups, planes));
     }
 
     /// A photon after the process, by its number; `None` if the scalar process is needed.
@@ -119,14 +153,21 @@ impl BareInterfaces {
             direction: vector(&group.direction),
             polarisation: vector(&group.polarisation),
             is_behind: bit(group.is_behind),
+            contact: bit(group.on_plane).then(|| PlanePoint {
+                position: vector(&group.position),
+                is_rising: bit(group.rising),
+                is_falling: bit(group.falling),
+            }),
         })
     }
 }
 
 /// A loop, not a closure, which would be compiled without the wide vectors.
 #[inline(always)]
-fn apply_all<S: Simd>(simd: S, groups: &mut [Group]) {
+fn apply_all<S: Simd>(simd: S, groups: &mut [Group], planes: &[PlaneContact]) {
     for group in groups {
+        // the contacts need the directions before the process
+        group.touch(simd, planes);
         group.apply(simd);
     }
 }
@@ -183,7 +224,56 @@ fn renormalised<S: Simd>(simd: S, vector: Vec3Lanes<S>) -> (Vec3Lanes<S>, Mask<S
     (scaled(vector, splat(simd, 1.5) - square * 0.5), is_near)
 }
 
+/// The image of a vector under the identity matrix, by the operations of a product: without negative zeros.
+#[inline(always)]
+fn unturned<S: Simd>(v: Vec3Lanes<S>) -> Vec3Lanes<S> {
+    Vec3Lanes {
+        x: v.x + v.y * 0.0 + v.z * 0.0,
+        y: v.x * 0.0 + v.y + v.z * 0.0,
+        z: v.x * 0.0 + v.y * 0.0 + v.z,
+    }
+}
+
 impl Group {
+    /// Projects the photons onto their planes, as [`Contact`](rayweave_optics::start_surfaces::Contact).
+    #[inline(always)]
+    fn touch<S: Simd>(&mut self, simd: S, planes: &[PlaneContact]) {
+        let (mut rows, mut shifted) = ([[0.0; LANES]; 10], 0u64);
+        for lane in 0..LANES {
+            let Some(plane) = planes.get(self.plane[lane] as usize) else { continue };
+            let shift = plane.shift.unwrap_or(Vec3::ZERO);
+            for k in 0..3 {
+                rows[k][lane] = plane.normal[k];
+                rows[3 + k][lane] = plane.gradient[k];
+                rows[6 + k][lane] = shift[k];
+            }
+            rows[9][lane] = plane.offset;
+            shifted |= u64::from(plane.shift.is_some()) << lane;
+        }
+        let at = |k: usize| Vec3Lanes {
+            x: load(simd, &rows[k]),
+            y: load(simd, &rows[k + 1]),
+            z: load(simd, &rows[k + 2]),
+        };
+        let (normal, gradient, shift) = (at(0), at(3), at(6));
+        let (origin, direction) = (vector(simd, &self.position), vector(simd, &self.direction));
+        let t = load(simd, &self.t);
+        let shifted = Mask::from_bitmask(simd, shifted);
+        let local_origin = origin.or_where(shifted, unturned(origin).plus(shift));
+        let local_direction = direction.or_where(shifted, unturned(direction));
+        let value = local_origin.plus(scaled(local_direction, t)).dot(normal) - load(simd, &rows[9]);
+        let out = vector(simd, &self.normal);
+        let along = out.or_where(shifted, unturned(out));
+        let step = value / normal.dot(along);
+        let is_finite = step.abs().simd_lt(splat(simd, f64::INFINITY));
+        let point = origin.plus(scaled(direction, t));
+        let slope = gradient.dot(direction);
+        let zero = splat(simd, 0.0);
+        self.rising = slope.simd_gt(zero).to_bitmask();
+        self.falling = slope.simd_lt(zero).to_bitmask();
+        store(point.or_where(is_finite, minus(point, scaled(out, step))), &mut self.position);
+    }
+
     #[inline(always)]
     fn apply<S: Simd>(&mut self, simd: S) {
         let d = vector(simd, &self.direction);

@@ -6,8 +6,14 @@ use crate::property::{PropertyTable, wavelength_nm};
 use crate::surface::{Coating, MeasuredTable, OpticalSurface, SurfaceFinish, SurfaceModel, SurfaceType};
 use crate::tables::{DavisTable, DichroicTable, LutTable};
 use num_complex::Complex64;
+use rayweave_math::Affine;
 use rayweave_math::Vec3;
+use rayweave_model::{Evaluator, PlacementId, Program, Query, RayBatch, Region, Solid, attributes};
 use rayweave_optics::interface::fresnel;
+use rayweave_optics::start_surfaces::{ExitSide, StartSurfaces};
+use rayweave_shape::Ray;
+use rayweave_shape::primitive::{Value, build};
+use rayweave_trace::Reference;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -533,15 +539,27 @@ fn bare_interfaces_in_lanes_equal_the_scalar_process() {
         };
         let mut numbers = Stream::new(7, number, 1, Purpose::Boundary);
         let block = crate::philox::philox4x32([0, number as u32, 1, 3 << 24], [7, 0]);
-        photons.extend(lanes.push(&AtInterface { direction, polarisation, normal, index, behind, block }));
+        let at = AtInterface {
+            direction,
+            polarisation,
+            normal,
+            index,
+            behind,
+            block,
+            position: Vec3::ZERO,
+            t: 1.0,
+            plane: None,
+        };
+        photons.extend(lanes.push(&at));
         let (event, is_behind) = photon.apply(&mut numbers);
         expected.push((event, is_behind, photon.direction, photon.polarisation));
     }
-    lanes.apply();
+    lanes.apply(&[]);
     let mut events = BTreeMap::new();
     let mut count = 0;
     for (number, expected) in photons.into_iter().zip(expected) {
         let Some(found) = lanes.get(number) else { continue };
+        assert!(found.contact.is_none());
         let bits = |vector: Vec3| vector.to_array().map(f64::to_bits);
         assert_eq!((found.event, found.is_behind), (expected.0, expected.1), "photon {number}");
         assert_eq!(bits(found.direction), bits(expected.2), "photon {number}");
@@ -552,5 +570,63 @@ fn bare_interfaces_in_lanes_equal_the_scalar_process() {
     if rayweave_shape::lanes::WideLevel::widest().is_some() {
         assert!(count > 3900, "{count}");
         assert!(events.len() == 3 && events.values().all(|&n| n > 100), "{events:?}");
+    }
+}
+
+/// Contacts with planes in lanes have the bits of [`StartSurfaces::contact`], in the world and in moved copies.
+#[test]
+fn contacts_in_lanes_equal_those_of_start_surfaces() {
+    let cube = |size: f64| Solid::from(build("box", &[("size", Value::Number(size))]).unwrap());
+    let maps = [Vec3::new(0.3, 0.1, -0.2), Vec3::new(4.0, 0.0, 0.7)].map(Affine::translate);
+    let solids = [cube(40.0), cube(2.0).place(maps)];
+    let region = |(medium, solid): (u32, Solid)| Region { name: medium.to_string(), solid, medium };
+    let program = Program::compile_regions(&(1..).zip(solids).map(region).collect::<Vec<_>>()).unwrap();
+    let (starts, mut lanes) = (StartSurfaces::new(&program), BareInterfaces::new());
+    let evaluator = Reference::new(Arc::new(program.clone()));
+    let (mut pushed, mut moved) = (Vec::new(), 0);
+    for number in 0..800u64 {
+        let mut stream = Stream::new(6, number, 0, Purpose::Emission);
+        let origin = Vec3::from_array([(); 3].map(|()| 8.0 * stream.uniform() - 2.0));
+        // some of them along an axis
+        let direction = if number % 5 == 0 { Vec3::NEG_X } else { stream.direction() };
+        let ray = Ray::new(origin, direction);
+        let mut batch = RayBatch::default();
+        batch.replace([ray].into_iter());
+        let found = evaluator.collect(batch.rays(), &Query::nearest()).unwrap();
+        let Some(&crossing) = found.of(0).first() else { continue };
+        let normal = attributes::normal(&program, &ray, &crossing);
+        let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
+        let plane = starts.plane(crossing.face);
+        assert!(plane.is_some());
+        moved += usize::from(crossing.face.placement != PlacementId(0));
+        let at = AtInterface {
+            direction,
+            polarisation: stream.polarisation(direction),
+            normal,
+            index: 1.0,
+            behind: 1.3,
+            block: [number as u32; 4],
+            position: origin,
+            t: crossing.t,
+            plane,
+        };
+        pushed.extend(lanes.push(&at).map(|number| (number, ray, crossing, normal)));
+    }
+    lanes.apply(starts.planes());
+    for (number, ray, crossing, normal) in &pushed {
+        let Some(point) = lanes.get(*number).and_then(|found| found.contact) else { continue };
+        let contact = starts.contact(&program, ray, crossing);
+        let bits = |vector: Vec3| vector.to_array().map(f64::to_bits);
+        assert_eq!(bits(point.position), bits(contact.project(*normal)), "{ray:?}");
+        for (side, inside) in
+            [(ExitSide::Incident, point.is_rising), (ExitSide::Transmitted, point.is_falling)]
+        {
+            let mut list = Vec::new();
+            starts.append_at(&contact, side, &[], &mut list);
+            assert_eq!(list[0].inside, inside, "{ray:?}");
+        }
+    }
+    if rayweave_shape::lanes::WideLevel::widest().is_some() {
+        assert!(pushed.len() > 700 && moved > 60, "{} {moved}", pushed.len());
     }
 }

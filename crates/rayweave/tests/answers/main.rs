@@ -1,5 +1,5 @@
-//! Regression hashes of answers: crossings, nearest hits, partitions, sections, volumes, pixels, light and
-//! imported files.
+//! Regression hashes of answers: crossings, nearest hits, partitions, sections, volumes, pixels, light,
+//! photons and imported files.
 //!
 //! `tests/answers.txt` holds one line for each case: its name and the hash of the bits of its numbers. The
 //! hashes prove nothing about correctness, which other tests cover; they prove that a refactoring changed no
@@ -13,6 +13,7 @@ mod curves;
 mod files;
 mod hash;
 mod light;
+mod photons;
 mod pictures;
 mod questions;
 mod random;
@@ -148,6 +149,13 @@ fn light() {
     let mut answers = Answers::default();
     light::record(&mut answers);
     examine("light", &answers);
+}
+
+#[test]
+fn photons_in_detectors() {
+    let mut answers = Answers::default();
+    photons::record(&mut answers);
+    examine("photon", &answers);
 }
 
 #[test]

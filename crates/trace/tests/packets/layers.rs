@@ -5,7 +5,7 @@ use crate::oracle::{Setting, levels};
 use crate::starts;
 use rayweave_conformance::{Random, Tally};
 use rayweave_math::{Affine, Vec3};
-use rayweave_model::{Region, Solid};
+use rayweave_model::{Face, PlacementId, Region, Solid, Start};
 use rayweave_shape::Ray;
 
 /// Copies of a core with a sensor on it, in a shell within a cover; in the world, beside a ball of the last region.
@@ -57,4 +57,71 @@ fn layers_from_their_surfaces() {
         starts::follow(&setting, levels()[seed as usize % 2], rng, &mut tally);
     }
     tally.finish(15_000);
+}
+
+/// A tank with many balls, each with a core within, and a post across it: more solids than a list of neighbours holds.
+fn tank(rng: &mut Random, frame: &Affine) -> Vec<Region> {
+    let shell = rng.pick(&[0.3, 0.01, 1e-9]);
+    let pitch = 2.0 + gap(rng);
+    let at = |k: u32| pitch * Vec3::new(f64::from(k % 4), f64::from(k / 4 % 4), f64::from(k / 16)).round();
+    let maps: Vec<Affine> = (0..48).map(|k| Affine::translate(at(k))).collect();
+    let is_round = rng.chance(0.7);
+    let part = |half: f64| if is_round { sphere(half) } else { cube(Vec3::splat(half)) };
+    let tank = cube(Vec3::splat(20.0)).translate([pitch * 1.5; 3]);
+    let post = cube(Vec3::new(0.1, 25.0, 0.1)).translate([-3.0, 0.0, 0.0]);
+    let [balls, cores] = [1.0, 1.0 - shell].map(|half| part(half).place(maps.clone()));
+    let solids = [cube(Vec3::splat(40.0)), tank, balls, cores, post];
+    let region = |(k, solid): (u32, Solid)| Region {
+        name: format!("layer {k}"),
+        solid: solid.apply(*frame),
+        medium: k + 1,
+    };
+    (0..).zip(solids).map(region).collect()
+}
+
+/// Rays that start between many solids, and are scattered from face to face.
+#[test]
+fn a_tank_of_many_solids() {
+    let mut tally = Tally::new("a tank of many solids");
+    for seed in 0..12 {
+        let rng = &mut Random::new(10 << 40 | seed);
+        let frame = match rng.below(3) {
+            0 => Affine::rotation(rng.direction(), 30.0),
+            _ => Affine::IDENTITY,
+        };
+        let regions = tank(rng, &frame);
+        let ray = |_| {
+            let from = Vec3::from_array([(); 3].map(|()| rng.between(-4.0, 10.0)));
+            Ray::new(from, rng.direction()).transformed(&frame)
+        };
+        let rays = (0..40).map(ray).collect();
+        let Some(setting) = Setting::new(regions, rays, format!("tank, seed {seed}")) else { continue };
+        starts::follow(&setting, levels()[seed as usize % 2], rng, &mut tally);
+    }
+    tally.finish(1_000);
+}
+
+/// A ray that starts within one copy of a region, on the plane of a face of another copy: the solids beside that copy are not
+/// all that it can meet.
+#[test]
+fn a_start_on_the_plane_of_another_copy() {
+    let half = Vec3::splat(0.5);
+    let copies = cube(half).place([Affine::IDENTITY, Affine::translate(Vec3::new(0.5, 1.0, 0.0))]);
+    let target = cube(Vec3::splat(0.1)).translate([0.2, 1.2, 0.0]);
+    let solids = [cube(Vec3::splat(9.0)), copies, target];
+    let region = |(k, solid): (u32, Solid)| Region { name: format!("layer {k}"), solid, medium: k + 1 };
+    let regions: Vec<Region> = (0..).zip(solids).map(region).collect();
+    let ray = Ray::new(Vec3::new(0.5, 1.2, 0.0), -Vec3::X);
+    let setting = Setting::new(regions, vec![ray; 8], "two copies".to_owned()).unwrap();
+    let program = setting.program();
+    let is_there = |face: &Face| {
+        let plane = program.surface(face.surface).surface.value_and_gradient(Vec3::new(0.5, 7.0, 7.0)).0;
+        face.placement == PlacementId(1) && plane == 0.0
+    };
+    // the face of the first copy at x = 0.5, reached from outside
+    let towards = Ray::new(Vec3::new(0.9, 0.0, 0.0), -Vec3::X);
+    let reached = starts::lists_of_first(&setting, &[towards]);
+    let face = reached.first().map(|crossing| crossing.face).filter(is_there).unwrap();
+    let start = Start { surface: face.surface, placement: face.placement, inside: true };
+    starts::compare(&setting, &[ray; 8], &vec![vec![start]; 8]);
 }

@@ -59,6 +59,28 @@ pub fn follow(setting: &Setting, level: Level, rng: &mut Random, tally: &mut Tal
     }
 }
 
+/// The first crossing of each ray by the reference.
+pub fn lists_of_first(setting: &Setting, rays: &[Ray]) -> Vec<Crossing> {
+    let (truth, _) = evaluators(setting, Level::new());
+    let found = lists(&truth, rays, &Query::nearest());
+    (0..rays.len()).filter_map(|i| found.of(i).first().copied()).collect()
+}
+
+/// Compares the first hits of rays with start lists; all of them hit something.
+pub fn compare(setting: &Setting, rays: &[Ray], listed: &[Vec<Start>]) {
+    let (truth, packets) = evaluators(setting, Level::new());
+    let counts = listed.iter().scan(0, |sum, list| {
+        *sum += list.len() as u32;
+        Some(*sum)
+    });
+    let (first, entries): (Vec<u32>, _) = (std::iter::once(0).chain(counts).collect(), listed.concat());
+    let starts = Some(StartLists { first: &first, entries: &entries });
+    let query = Query { starts, ..Query::nearest() };
+    let expected = nearest(&truth, rays, &query, &[]);
+    assert!(expected.iter().all(|(_, [face, ..], _)| *face >= 0), "{expected:?}");
+    assert_eq!(nearest(&packets, rays, &query, &[]), expected);
+}
+
 /// A window that usually begins at the start of the ray.
 fn window(rng: &mut Random) -> Window {
     let from = match rng.below(6) {
