@@ -1,8 +1,6 @@
 //! The graphics cards of this machine.
 
-use crate::double::rounds_like_the_cpu;
 use crate::error::GpuError;
-use crate::shader;
 use std::future::Future;
 use std::pin::pin;
 use std::sync::{Arc, Mutex, OnceLock};
@@ -20,7 +18,7 @@ pub struct Adapter {
     pub(crate) adapter: wgpu::Adapter,
     info: wgpu::AdapterInfo,
     /// The result of the trial of its arithmetic in double precision.
-    trial: Arc<OnceLock<bool>>,
+    pub(crate) trial: Arc<OnceLock<bool>>,
 }
 
 /// The features for double precision; integers of 64 bits hold the bits of its numbers.
@@ -132,18 +130,6 @@ impl Adapter {
         self.adapter.features().contains(DOUBLE)
     }
 
-    /// True if an open device of this adapter rounds operations in double precision as the CPU does: the result of the first trial.
-    pub(crate) fn rounds_like_the_cpu(&self, device: &Device) -> Result<bool, GpuError> {
-        if !device.has_f64 {
-            return Ok(false);
-        }
-        if let Some(&known) = self.trial.get() {
-            return Ok(known);
-        }
-        let result = rounds_like_the_cpu(device, shader::ARITHMETIC)?;
-        Ok(*self.trial.get_or_init(|| result))
-    }
-
     /// Opens the device.
     pub(crate) fn open(&self) -> Result<Device, GpuError> {
         let adapter = self.name().to_owned();
@@ -200,10 +186,7 @@ impl Device {
 
     fn poll(&self, until: wgpu::PollType) -> Result<(), GpuError> {
         self.check()?;
-        self.device.poll(until).map_err(|error| GpuError::Lost {
-            adapter: self.adapter.clone(),
-            reason: one_line(&error.to_string()),
-        })?;
+        self.device.poll(until).map_err(|error| self.lost(&error))?;
         self.check()
     }
 

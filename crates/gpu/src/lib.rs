@@ -20,6 +20,7 @@ mod prepared;
 mod program;
 mod shader;
 mod terms;
+mod trial;
 mod twin;
 
 pub use adapter::{Adapter, AdapterKind, Gpu};

@@ -10,6 +10,7 @@ use crate::layout::{Layout, magnitude_of};
 use crate::prepared::Others;
 use crate::shader::{self, Entry};
 use crate::terms::Top;
+use crate::trial::rounds_like_the_cpu;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::weld::local_ray;
 use rayweave_model::{
@@ -157,7 +158,8 @@ impl GpuProgram {
     pub fn new(adapter: &Adapter, program: Arc<Program>) -> Result<GpuProgram, GpuError> {
         let (layout, sender) = compile(&program)?;
         let device = adapter.open()?;
-        let doubles = adapter.rounds_like_the_cpu(&device)?.then(|| Doubles::new(&program, &layout, &sender));
+        let doubles =
+            rounds_like_the_cpu(adapter, &device)?.then(|| Doubles::new(&program, &layout, &sender));
         let entry = if doubles.is_some() { Entry::Completed } else { Entry::Nearest };
         let tables = Tables::new(device, &layout, sender.bounded, doubles)?;
         let kernel = Kernel::new(tables, &layout, entry)?;

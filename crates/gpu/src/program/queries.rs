@@ -17,7 +17,7 @@ use std::sync::{Arc, PoisonError};
 /// The bit of the first word of an answer for a ray with more crossings than rows.
 const MORE: u32 = 1 << 28;
 
-/// The direction of the rays that start at points whose region is asked for. Any is valid; this unit vector is parallel to no
+/// The direction of the rays that start at the points of a query for regions. Any is valid; this unit vector is parallel to no
 /// axis, diagonal or coordinate plane, along which models have most of their faces.
 const DIRECTION: Vec3 = Vec3::new(0.48, 0.6, 0.64);
 
