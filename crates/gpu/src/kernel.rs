@@ -6,6 +6,7 @@ use crate::error::GpuError;
 use crate::frame::DeviceRay;
 use crate::layout::Layout;
 use crate::shader::{self, Entry};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, mpsc};
 
 /// Bytes of a ray on its way to the device, and of its answer.
@@ -37,6 +38,8 @@ pub(crate) struct Tables {
 pub(crate) struct Kernel {
     pub tables: Tables,
     pipeline: wgpu::ComputePipeline,
+    /// A number of its own: the buffers of a slot are bound to one kernel.
+    id: u64,
     /// Rows of an answer.
     pub rows: usize,
     /// True if the kernel takes rays in double precision and returns times in it.
@@ -54,10 +57,10 @@ pub(crate) struct Slot {
     back: wgpu::Buffer,
     params: wgpu::Buffer,
     group: wgpu::BindGroup,
-    /// The number of rays that fit, and the rows of an answer.
+    /// The number of rays that fit.
     most: usize,
-    rows: usize,
-    completes: bool,
+    /// The number of the kernel.
+    kernel: u64,
     /// The number of rays in the parameters.
     count: Option<usize>,
 }
@@ -105,7 +108,9 @@ impl Kernel {
         let device = &tables.device;
         let doubles = tables.doubles.as_ref().map(|(doubles, _)| &**doubles);
         let pipeline = device.pipeline("crossings", shader::source(layout, entry, doubles))?;
-        Ok(Kernel { tables, pipeline, rows: entry.rows(), completes: entry == Entry::Completed })
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        let id = NEXT.fetch_add(1, Ordering::Relaxed);
+        Ok(Kernel { tables, pipeline, id, rows: entry.rows(), completes: entry == Entry::Completed })
     }
 
     /// The device.
@@ -143,8 +148,7 @@ impl Kernel {
             buffers.extend([(5, exact), (6, lookup), (7, &*column)]);
         }
         let group = device.group(&self.pipeline, &buffers)?;
-        let (rows, completes) = (self.rows, self.completes);
-        Ok(Slot { up, rays, answers, times, back, params, group, most, rows, completes, count: None })
+        Ok(Slot { up, rays, answers, times, back, params, group, most, kernel: self.id, count: None })
     }
 
     /// Writes rays to the buffer from which [`Kernel::submit`] uploads them.
@@ -233,9 +237,9 @@ impl Kernel {
 }
 
 impl Slot {
-    /// True if the slot has buffers for a number of rays of a kernel.
+    /// True if the slot has buffers for a number of rays, bound to a kernel.
     pub fn holds(&self, rays: usize, kernel: &Kernel) -> bool {
-        rays <= self.most && (kernel.rows, kernel.completes) == (self.rows, self.completes)
+        rays <= self.most && kernel.id == self.kernel
     }
 }
 

@@ -2,9 +2,10 @@
 //!
 //! [`Gpu`] lists the adapters of the machine, [`GpuProgram`] is a compiled model on one of them, and
 //! [`GpuProgram::nearest`] finds the first crossing of each ray of a batch. The device computes in single precision, with error
-//! bounds that hold under the rounding rules of WGSL. A ray whose answer they do not settle is traced by the CPU, and the time of
-//! every other crossing is computed on the CPU by the kernel of the face that the device names. So all answers are those of
-//! [`rayweave_trace::Packets`], bit for bit. [`GpuReport`] counts the rays that the CPU traced.
+//! bounds that hold under the rounding rules of WGSL. A ray whose answer they do not settle is traced by the CPU. The time of every
+//! other crossing is computed in f64 by the kernel of the face that the device names: on the device if it has f64 and rounds like
+//! the CPU, for planes, spheres and cylinders, else on the CPU. So all answers are those of [`rayweave_trace::Packets`], bit for
+//! bit. [`GpuReport`] counts the rays that the CPU traced.
 //!
 //! The page `docs/concepts/gpu.md` derives the bounds.
 

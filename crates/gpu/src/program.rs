@@ -49,9 +49,9 @@ const CHECKED: usize = 256;
 
 /// A compiled model on a device.
 ///
-/// The device computes in single precision with error bounds. Where they settle which face a ray meets first, the CPU computes
-/// the time in f64 with the kernel of that face; all other rays are *uncertain* and are traced by the CPU. The answers are
-/// those of every [`Evaluator`], bit for bit.
+/// The device finds faces in single precision with error bounds. Where they settle which face a ray meets first, the kernel of
+/// that face computes the time in f64, on the device or on the CPU; all other rays are *uncertain* and are traced by the CPU. The
+/// answers are those of every [`Evaluator`], bit for bit.
 #[derive(Debug)]
 pub struct GpuProgram {
     program: Arc<Program>,
@@ -133,6 +133,15 @@ struct Worker {
     scratch: Option<<Packets as Evaluator>::Scratch>,
     again: Vec<usize>,
     batch: RayBatch,
+}
+
+/// The answer to a ray.
+enum Outcome {
+    Crossing(Crossing),
+    /// No crossing, and the region at the start.
+    Miss(u32),
+    /// The CPU traces the ray.
+    Again,
 }
 
 /// A worker in use, which returns to the idle ones when it is dropped.
@@ -297,6 +306,9 @@ impl GpuProgram {
     }
 
     /// The first crossings of a batch.
+    ///
+    /// If the device computes times, the CPU computes every 256th of them again. If one has other bits, it computes all times of the
+    /// batch, and that ray counts as contradicted.
     fn nearest_part(
         &self,
         rays: &Rays<'_>,
@@ -307,113 +319,76 @@ impl GpuProgram {
         let mut report = self.answers((&self.kernel, &self.sender), &rays, part.first, worker)?;
         let clock = Instant::now();
         worker.again.clear();
-        if self.kernel.completes {
-            self.take_completed(&rays, part, worker, &mut report);
-            report.complete = clock.elapsed();
-            return Ok(report);
-        }
-        for (k, (route, answer)) in worker.routes.iter().zip(&worker.answers).enumerate() {
-            let region = match *route {
-                Route::Passes => Some(0),
-                Route::Cpu => {
-                    report.distant += 1;
-                    worker.again.push(k);
+        let mut is_trusted = true;
+        let mut k = 0;
+        while let Some(answer) = worker.answers.get(k) {
+            let time =
+                worker.times.get(k).filter(|_| is_trusted && answer[0] < MISS && answer[0] & COMPLETED != 0);
+            match time {
+                Some(&t) if !k.is_multiple_of(CHECKED) => {
+                    self.put_completed(&rays, part, k, (answer, t));
+                    report.timed += 1;
+                    k += 1;
                     continue;
                 }
-                Route::Device(clock) => {
-                    if answer[0] & UNCERTAIN != 0 {
-                        report.uncertain += 1;
-                        worker.again.push(k);
-                        continue;
-                    }
-                    if answer[0] & MISS == 0 {
-                        let ray = rays.get(k);
-                        match self.polished(&ray, answer, clock) {
-                            Some(crossing) => self.put(&ray, part, k, &crossing),
-                            None => {
-                                report.contradicted += 1;
-                                worker.again.push(k);
-                            }
-                        }
-                        continue;
-                    }
-                    self.layout.regions.get((answer[2] & 0xffff) as usize).copied()
-                }
-            };
-            match region {
-                Some(region) => miss(part, k, region),
-                None => {
-                    report.contradicted += 1;
-                    worker.again.push(k);
-                }
+                _ => {}
             }
+            match self.outcome(&rays, k, (answer, worker.routes.get(k)), &mut report) {
+                Outcome::Crossing(crossing) if time.is_some_and(|t| t.to_bits() != crossing.t.to_bits()) => {
+                    // starts again without the times of the device
+                    is_trusted = false;
+                    report.contradicted += 1;
+                    (report.uncertain, report.distant, report.timed) = (0, 0, 0);
+                    worker.again.clear();
+                    k = 0;
+                    continue;
+                }
+                Outcome::Crossing(crossing) => self.put(&rays.get(k), part, k, &crossing),
+                Outcome::Miss(region) => miss(part, k, region),
+                Outcome::Again => worker.again.push(k),
+            }
+            k += 1;
         }
         self.trace(&rays, part, worker);
         report.complete = clock.elapsed();
         Ok(report)
     }
 
-    /// Writes the answers of a kernel that computes times, and those that the CPU completes.
-    ///
-    /// The CPU computes every 256th time again. If one has other bits, it computes all times of the batch, and that answer counts
-    /// as contradicted.
-    fn take_completed(
+    /// The answer to a ray, with the time of the CPU.
+    fn outcome(
         &self,
         rays: &Rays<'_>,
-        part: &mut Part<'_>,
-        worker: &mut Worker,
+        k: usize,
+        (answer, route): (&Answer, Option<&Route>),
         report: &mut GpuReport,
-    ) {
-        let mut is_trusted = true;
-        let mut k = 0;
-        while let (Some(answer), Some(&t)) = (worker.answers.get(k), worker.times.get(k)) {
-            let is_completed = answer[0] & COMPLETED != 0 && answer[0] < MISS;
-            if is_completed && is_trusted && !k.is_multiple_of(CHECKED) {
-                self.put_completed(rays, part, k, (answer, t));
-                report.timed += 1;
-                k += 1;
-                continue;
-            }
-            if answer[0] & UNCERTAIN != 0 {
-                let count = if answer[1] == DISTANT { &mut report.distant } else { &mut report.uncertain };
-                *count += 1;
-                worker.again.push(k);
-            } else if answer[0] & MISS != 0 {
-                let region = if answer[1] == PASSES {
-                    Some(&0)
-                } else {
-                    self.layout.regions.get((answer[2] & 0xffff) as usize)
-                };
-                match region {
-                    Some(&region) => miss(part, k, region),
-                    None => worker.again.push(k),
-                }
-            } else {
-                let ray = rays.get(k);
-                let polished = match self.sender.send(rays, k).0 {
-                    Route::Device(clock) => self.polished(&ray, answer, clock),
-                    Route::Passes | Route::Cpu => None,
-                };
-                match polished {
-                    Some(crossing) if is_completed && is_trusted && crossing.t.to_bits() != t.to_bits() => {
-                        report.contradicted += 1;
-                        is_trusted = false;
-                        // the other counts start again
-                        (report.uncertain, report.distant, report.timed) = (0, 0, 0);
-                        worker.again.clear();
-                        k = 0;
-                        continue;
-                    }
-                    Some(crossing) => self.put(&ray, part, k, &crossing),
-                    None => {
-                        report.contradicted += 1;
-                        worker.again.push(k);
-                    }
-                }
-            }
-            k += 1;
+    ) -> Outcome {
+        // kernels that take rays in double precision write the route into the answer
+        let (passes, is_distant) = match route {
+            Some(route) => (matches!(route, Route::Passes), matches!(route, Route::Cpu)),
+            None => (
+                answer[0] & MISS != 0 && answer[1] == PASSES,
+                answer[0] & UNCERTAIN != 0 && answer[1] == DISTANT,
+            ),
+        };
+        if passes {
+            return Outcome::Miss(0);
         }
-        self.trace(rays, part, worker);
+        if is_distant || answer[0] & UNCERTAIN != 0 {
+            *(if is_distant { &mut report.distant } else { &mut report.uncertain }) += 1;
+            return Outcome::Again;
+        }
+        let known = if answer[0] & MISS != 0 {
+            self.layout.regions.get((answer[2] & 0xffff) as usize).map(|&region| Outcome::Miss(region))
+        } else {
+            match route.copied().unwrap_or_else(|| self.sender.send(rays, k).0) {
+                Route::Device(clock) => self.polished(&rays.get(k), answer, clock).map(Outcome::Crossing),
+                Route::Passes | Route::Cpu => None,
+            }
+        };
+        known.unwrap_or_else(|| {
+            report.contradicted += 1;
+            Outcome::Again
+        })
     }
 
     /// Writes an answer with the time of the device.

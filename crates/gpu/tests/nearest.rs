@@ -3,7 +3,9 @@
 use rayweave_conformance::{Model, Random, Style, rays};
 use rayweave_gpu::{Gpu, GpuError, GpuProgram, GpuReport};
 use rayweave_math::{Affine, Vec3};
-use rayweave_model::{Collected, Evaluator, FirstHits, Program, Query, RayBatch, Region, Solid, Window};
+use rayweave_model::{
+    Collected, Evaluator, FirstHits, Program, Query, RayBatch, Region, RegionId, Solid, Window,
+};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
 use rayweave_trace::Packets;
@@ -107,6 +109,30 @@ fn chords(rng: &mut Random, size: f64, count: usize) -> RayBatch {
 #[test]
 fn random_models_give_the_bits_of_the_cpu() {
     random_models(6, 1000);
+}
+
+/// Queries of all kinds in turn, twice: the memory of one does not serve another.
+#[test]
+fn queries_of_all_kinds_in_turn() {
+    let Some(adapter) = adapter() else { return };
+    let program = Arc::new(Program::compile(&sphere(1.0, Vec3::ZERO)).unwrap());
+    let gpu = GpuProgram::new(&adapter, program.clone()).unwrap();
+    let rays = chords(&mut Random::new(5), 1.0, 1000);
+    let cpu = Packets::new(program);
+    for most in [1, 2, 1] {
+        let mut columns = Columns::new(rays.len());
+        gpu.nearest(rays.rays(), &mut columns.hits()).unwrap();
+        let (first, _) = gpu.collect(rays.rays(), &Query::nearest(), NonZeroUsize::MIN).unwrap();
+        assert_eq!(first, cpu.collect(rays.rays(), &Query::nearest()).unwrap());
+        let (all, _) = gpu.crossings(rays.rays(), NonZeroUsize::new(most).unwrap()).unwrap();
+        let window = Window::new(0.0, f64::INFINITY).unwrap();
+        assert_eq!(all, cpu.collect(rays.rays(), &Query { window, ..Query::default() }).unwrap());
+        let mut regions = vec![RegionId(7); rays.len()];
+        gpu.regions_at(rays.rays().origins, &mut regions).unwrap();
+        let inside = |i: usize| u32::from(rays.rays().get(i).origin.length() < 1.0);
+        assert!(regions.iter().enumerate().all(|(i, region)| region.0 == inside(i)), "{most}");
+        assert!(first.starts.iter().zip(&regions).all(|(start, region)| start == region), "{most}");
+    }
 }
 
 /// Rays nearly parallel to a plane far outside of the others cross it at thousands of sizes of the model: the interval of the
