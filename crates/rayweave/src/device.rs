@@ -271,7 +271,7 @@ impl DeviceEvaluator {
     ///
     /// # Errors
     ///
-    /// [`DeviceError::Gpu`] with [`Device::Gpu`], if the device has failed.
+    /// `DeviceError::Gpu` with [`Device::Gpu`], if the device has failed.
     pub fn finish(&self) -> Result<Option<String>, DeviceError> {
         #[cfg(feature = "gpu")]
         if let Some((device, gpu)) = &self.gpu
