@@ -706,6 +706,25 @@ fn touching_a_cylinder_at_the_edge_of_two_planes(bench: &Bench) {
     }
 }
 
+/// A hyperbolic cylinder moved along its axis is the same surface, in a turned frame as well: the crossing has the face of the first.
+fn a_hyperbolic_cylinder_moved_along_itself(bench: &Bench) {
+    let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0; 4], [0.0, 0.0, 0.0, -0.25]];
+    let trough = made("quadric", &[("matrix", rows.as_slice().into())]);
+    let both = &trough | trough.translate([0.0, 0.0, 1.0]);
+    for angle in [0.0, 13.0, 30.0, 77.7, 120.0, 151.0] {
+        for axis in [Vec3::X, Vec3::new(1.0, 2.0, 3.0), Vec3::new(-2.0, 0.1, 1.0)] {
+            let turn = Affine::rotation(axis, angle);
+            for direction in [Vec3::new(-3.0, -1.0, 1.0), Vec3::new(1.0, 3.0, -0.7), Vec3::new(0.4, 0.1, 1.0)]
+            {
+                let ray = Ray::new(turn.point(Vec3::new(-6.0, -3.0, 3.5)), turn.vector(direction));
+                let found = bench.trace(&both.apply(turn), ray);
+                let leaves: Vec<u32> = found.crossings.iter().map(|c| c.face.leaf.0).collect();
+                assert_eq!(leaves, [0, 0], "{axis} {angle} {direction}");
+            }
+        }
+    }
+}
+
 /// A lone plane that a translation moves into the origin and a rotation turns about it is off the origin by a rounding error. A ray
 /// from there that crosses it does not lie in it, although the plane is no farther from the origin than that error.
 fn from_the_origin_through_a_turned_plane(bench: &Bench) {
@@ -797,6 +816,7 @@ bank! {
         nearly_in_one_of_two_crossing_planes
         touching_a_cylinder_at_the_edge_of_two_planes
         from_the_origin_through_a_turned_plane
+        a_hyperbolic_cylinder_moved_along_itself
         two_tangent_spheres_through_the_contact
         cone_apex
         torus_axis_and_equators

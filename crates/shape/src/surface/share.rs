@@ -15,7 +15,7 @@
 //! than the tolerance in every parameter, and is one class; in other parts all pairs are compared and joined (union-find).
 //! The cost is O(n log n) for n surfaces unless many of them form a chain wider than the tolerance.
 
-use super::{Plane, Surface};
+use super::{Plane, Quadric, Surface};
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 use std::borrow::Borrow;
 use std::cmp::Ordering;
@@ -199,7 +199,7 @@ fn number(surface: &Surface, magnitude: f64, reversed: bool, k: usize) -> (f64, 
             _ => (s.slope, TOLERANCE * (1.0 + s.slope * s.slope)),
         },
         Surface::Quadric(s) => match k {
-            0..3 => length(s.centre[k]),
+            0..3 => length(nearest_centre(s)[k]),
             3..12 => (s.axes[(k - 3) / 3][k % 3], TOLERANCE),
             12..15 => relative(s.weights[k - 12]),
             15..18 => (s.linear[k - 15], TOLERANCE * s.linear.length()),
@@ -228,6 +228,18 @@ fn number(surface: &Surface, magnitude: f64, reversed: bool, k: usize) -> (f64, 
             }
         },
     }
+}
+
+/// The centre of a quadric, moved along the axes in whose direction the surface does not change to the point nearest to the origin:
+/// a hyperbolic cylinder that is moved along itself is the same surface.
+fn nearest_centre(quadric: &Quadric) -> Vec3 {
+    let along = |k: usize| {
+        let axis = quadric.axes[k];
+        let is_free = quadric.weights[k] == 0.0
+            && axis.dot(quadric.linear).abs() <= TOLERANCE * quadric.linear.length();
+        if is_free { quadric.centre.dot(axis) * axis } else { Vec3::ZERO }
+    };
+    quadric.centre - along(0) - along(1) - along(2)
 }
 
 fn relative(x: f64) -> (f64, f64) {
