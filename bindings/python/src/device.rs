@@ -68,6 +68,10 @@ impl Chosen<'_> {
 /// The graphics cards that can trace rays, best first: a list of dicts with "name", "kind", "driver", "largest_table_bytes" and
 /// "f64", whether it computes in double precision. It is empty if no driver is installed. An error in a package that was built
 /// without the Cargo feature `gpu`.
+///
+/// >>> import rayweave as rw
+/// >>> [card["name"] for card in rw.devices()]  # doctest: +SKIP
+/// ['NVIDIA H200']
 #[pyfunction]
 #[pyo3(signature = () -> "list[dict[str, Any]]")]
 pub fn devices(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {

@@ -147,6 +147,10 @@ def devices() -> list[dict[str, Any]]:
     """The graphics cards that can trace rays, best first: a list of dicts with "name", "kind", "driver", "largest_table_bytes" and
     "f64", whether it computes in double precision. It is empty if no driver is installed. An error in a package that was built
     without the Cargo feature `gpu`.
+
+    >>> import rayweave as rw
+    >>> [card["name"] for card in rw.devices()]  # doctest: +SKIP
+    ['NVIDIA H200']
     """
 
 def diff_columns(
