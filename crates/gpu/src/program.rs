@@ -44,7 +44,7 @@ const FACET: u32 = COMPLETED - 1;
 const PASSES: u32 = 1;
 const DISTANT: u32 = 2;
 
-/// The CPU computes one of so many times again.
+/// Interval, in rays, at which the CPU computes a time of the device again.
 const CHECKED: usize = 256;
 
 /// A compiled model on a device.
@@ -333,16 +333,17 @@ impl GpuProgram {
                 }
                 _ => {}
             }
-            match self.outcome(&rays, k, (answer, worker.routes.get(k)), &mut report) {
-                Outcome::Crossing(crossing) if time.is_some_and(|t| t.to_bits() != crossing.t.to_bits()) => {
-                    // starts again without the times of the device
-                    is_trusted = false;
-                    report.contradicted += 1;
-                    (report.uncertain, report.distant, report.timed) = (0, 0, 0);
-                    worker.again.clear();
-                    k = 0;
-                    continue;
-                }
+            let outcome = self.outcome(&rays, k, (answer, worker.routes.get(k)), &mut report);
+            let is_same = |t: f64| matches!(&outcome, Outcome::Crossing(c) if c.t.to_bits() == t.to_bits());
+            if time.is_some_and(|&t| !is_same(t)) {
+                // starts again without the times of the device
+                is_trusted = false;
+                (report.uncertain, report.distant, report.timed, report.contradicted) = (0, 0, 0, 1);
+                worker.again.clear();
+                k = 0;
+                continue;
+            }
+            match outcome {
                 Outcome::Crossing(crossing) => self.put(&rays.get(k), part, k, &crossing),
                 Outcome::Miss(region) => miss(part, k, region),
                 Outcome::Again => worker.again.push(k),

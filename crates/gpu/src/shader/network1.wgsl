@@ -14,7 +14,8 @@ fn both(a: u32, b: u32) -> u32 {
 }
 
 fn has(bits: u32, k: u32) -> bool {
-    return ((bits >> k) & 1u) == 1u;
+    // the node of constant outputs is beyond all others
+    return k < 32u && ((bits >> (k & 31u)) & 1u) == 1u;
 }
 
 fn holds(bits: u32, edge: u32) -> bool {
