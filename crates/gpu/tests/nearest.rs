@@ -135,6 +135,18 @@ fn queries_of_all_kinds_in_turn() {
     }
 }
 
+/// A region that is everywhere, beside an overlap that it hides: a constant output does not depend on any atom.
+#[test]
+fn a_region_without_a_surface() {
+    let Some(adapter) = adapter() else { return };
+    let lens = sphere(1.0, Vec3::ZERO) & sphere(1.0, Vec3::new(0.5, 0.0, 0.0));
+    let region = |name: &str, solid: Solid, medium| Region { name: name.to_owned(), solid, medium };
+    let regions = [region("all", Solid::universe(), 1), region("lens", lens, 2)];
+    let program = Arc::new(Program::compile_regions(&regions).unwrap());
+    let report = check(&adapter, &program, &chords(&mut Random::new(9), 1.0, 5000), "universe").unwrap();
+    assert!(report.cpu_share() < 0.1, "{report:?}");
+}
+
 /// Rays nearly parallel to a plane far outside of the others cross it at thousands of sizes of the model: the interval of the
 /// time is as long as the way there, and the prediction still holds.
 #[test]
