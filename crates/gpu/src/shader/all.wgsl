@@ -3,13 +3,7 @@ const MOST: u32 = @MOST@;
 // There are more.
 const MORE: u32 = 0x10000000u;
 
-@compute @workgroup_size(@WORKGROUP@)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    let i = id.x + id.y * params.row;
-    if i >= params.rays {
-        return;
-    }
-    limited = false;
+fn answer(i: u32) {
     let r = ray_of(i);
     var from_ = start_of(i);
     let at = i * (MOST + 1u);

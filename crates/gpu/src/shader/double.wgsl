@@ -232,13 +232,7 @@ fn completed_row(i: u32, row: vec4u, line: Line, sent: Sent) -> vec4u {
     return vec4u(row.x | COMPLETED, row.yzw);
 }
 
-@compute @workgroup_size(@WORKGROUP@)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    let i = id.x + id.y * params.row;
-    if i >= params.rays {
-        return;
-    }
-    limited = false;
+fn answer(i: u32) {
     let line = line_of(i);
     let sent = sent_of(line);
     if sent.route != 0u {

@@ -1,11 +1,5 @@
 // The first crossing of each ray: a row with the number of crossings, 0 or 1, and the region at the start, then the crossing.
-@compute @workgroup_size(@WORKGROUP@)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    let i = id.x + id.y * params.row;
-    if i >= params.rays {
-        return;
-    }
-    limited = false;
+fn answer(i: u32) {
     let found = find(ray_of(i), start_of(i));
     let row = packed(found);
     if row.x == UNCERTAIN {

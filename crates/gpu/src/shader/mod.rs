@@ -52,7 +52,7 @@ pub(crate) fn source(layout: &Layout, entry: Entry, doubles: Option<&Doubles>) -
         .collect();
     let placed = |used: bool, text: &str| if used { text.to_owned() } else { String::new() };
     let find = if layout.stack > 0 { include_str!("large.wgsl") } else { include_str!("small.wgsl") };
-    let main = match entry {
+    let answer = match entry {
         Entry::Nearest => include_str!("nearest.wgsl"),
         Entry::Completed => include_str!("double.wgsl"),
         Entry::First => include_str!("first.wgsl"),
@@ -60,7 +60,14 @@ pub(crate) fn source(layout: &Layout, entry: Entry, doubles: Option<&Doubles>) -
         Entry::Start => include_str!("start.wgsl"),
     };
     let rays = if entry == Entry::Completed { "" } else { include_str!("rays.wgsl") };
-    let parts = [include_str!("surfaces.wgsl"), include_str!("walk.wgsl"), rays, find, main];
+    let parts = [
+        include_str!("surfaces.wgsl"),
+        include_str!("walk.wgsl"),
+        rays,
+        find,
+        answer,
+        include_str!("main.wgsl"),
+    ];
     let rows = |count: Option<usize>| count.unwrap_or(1).max(1).to_string();
     let number = |x: f64| format!("{x:?}");
     let replacements = [

@@ -30,24 +30,9 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
 @NEAR_ATOMS@
     for (var j = 0u; j < near; j++) {
         let k = @NEAR_ATOM@;
-        var e = events_of(group.x + k, r);
-        var inside = e.inside;
-        if e.f0 != NONE {
-            if e.t.y <= from_.x {
-                inside = inside != (e.f0 != HIDDEN);
-                e.f0 = NONE;
-            } else if e.t.x <= from_.y {
-                certain = false;
-            }
-        }
-        if e.f1 != NONE {
-            if e.t.w <= from_.x {
-                inside = !inside;
-                e.f1 = NONE;
-            } else if e.t.z <= from_.y {
-                certain = false;
-            }
-        }
+        let started = started_at(events_of(group.x + k, r), from_);
+        let e = started.events;
+        certain = certain && started.certain;
         if e.f0 != NONE || e.f1 != NONE {
             times[live] = e.t;
             first[live] = e.f0;
@@ -55,7 +40,7 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
             which[live] = k;
             live += 1u;
         }
-        if inside {
+        if e.inside {
             bits = flipped(bits, k);
         }
     }

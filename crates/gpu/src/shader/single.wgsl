@@ -2,26 +2,10 @@
 
 // The first change of value of an atom after `from`, a certain time in an interval.
 fn walk(atom: u32, r: Ray, from_: vec2f) -> Change {
-    var e = events_of(atom, r);
-    var inside = e.inside;
-    var certain = true;
-    if e.f0 != NONE {
-        if e.t.y <= from_.x {
-            inside = inside != (e.f0 != HIDDEN);
-            e.f0 = NONE;
-        } else if e.t.x <= from_.y {
-            certain = false;
-        }
-    }
-    if e.f1 != NONE {
-        if e.t.w <= from_.x {
-            inside = !inside;
-            e.f1 = NONE;
-        } else if e.t.z <= from_.y {
-            certain = false;
-        }
-    }
-    let start = u32(inside);
+    let started = started_at(events_of(atom, r), from_);
+    let e = started.events;
+    let certain = started.certain;
+    let start = u32(e.inside);
     if ONLY_START && certain {
         return Change(true, start, start, start, BIG, BIG, NONE, 0u);
     }

@@ -1,11 +1,5 @@
 // The region at the start of each ray, for containment of points: a flag and the region.
-@compute @workgroup_size(@WORKGROUP@)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    let i = id.x + id.y * params.row;
-    if i >= params.rays {
-        return;
-    }
-    limited = false;
+fn answer(i: u32) {
     let from_ = start_of(i);
     let found = find(ray_of(i), from_);
     // of some surfaces the side is known only for times up to FAR

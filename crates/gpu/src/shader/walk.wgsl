@@ -139,6 +139,35 @@ fn events_of(k: u32, group_ray: Ray) -> Events {
     return Events(fe == NONE, vec4f(enter, leave), fe, fl);
 }
 
+struct Started {
+    events: Events,
+    // false if the side at the start is not certain
+    certain: bool,
+}
+
+// The events of an atom after a certain time in an interval, and its side there.
+fn started_at(all: Events, from_: vec2f) -> Started {
+    var e = all;
+    var certain = true;
+    if e.f0 != NONE {
+        if e.t.y <= from_.x {
+            e.inside = e.inside != (e.f0 != HIDDEN);
+            e.f0 = NONE;
+        } else if e.t.x <= from_.y {
+            certain = false;
+        }
+    }
+    if e.f1 != NONE {
+        if e.t.w <= from_.x {
+            e.inside = !e.inside;
+            e.f1 = NONE;
+        } else if e.t.z <= from_.y {
+            certain = false;
+        }
+    }
+    return Started(e, certain);
+}
+
 // The key of a facet: equal for facets in one surface at one placement.
 fn key_of(facet: u32) -> u32 {
     if facet >= HIDDEN {
