@@ -94,7 +94,8 @@ impl Engine {
         Ok(Chosen::Made(made.map_err(bad_value)?))
     }
 
-    /// The evaluator on a device other than the CPU, compiled at its first use.
+    /// The evaluator on a device other than the CPU, compiled at its first use and kept. `evaluator` is the CPU's for the rays that
+    /// the device leaves to it; all give the same answers, so that of the first use is kept.
     pub fn on_device(
         &self,
         py: Python<'_>,
@@ -102,14 +103,13 @@ impl Engine {
         evaluator: Option<&str>,
     ) -> PyResult<&DeviceEvaluator> {
         let place = &self.devices[usize::from(device == Device::Auto)];
-        let make = || {
-            let options = DeviceOptions { device, adapter: None };
-            DeviceEvaluator::new(options, evaluator, self.program.clone()).map_err(bad_value)
-        };
-        if let Some(known) = place.get().filter(|_| evaluator.is_none()) {
+        if let Some(known) = place.get() {
             return Ok(known);
         }
-        let made = py.detach(make)?;
+        let options = DeviceOptions { device, adapter: None };
+        let made = py
+            .detach(|| DeviceEvaluator::new(options, evaluator, self.program.clone()))
+            .map_err(bad_value)?;
         warn(py, made.notice())?;
         Ok(place.get_or_init(|| made))
     }
