@@ -411,3 +411,80 @@ fn invalid_descriptions_are_rejected() {
     let high = Description { mixed: vec![(20, 11, 1.0)], ..conic(1.0, 0.0, 0.0) };
     assert_eq!(Sag::new(&high), Err(SagError::TooManyTerms { degree: 31 }));
 }
+
+/// A ray that touches a surface has no crossing, or two within the square root of the noise of the point of contact; it never has
+/// one far from the surface.
+#[test]
+fn touching_rays_have_no_crossing_off_the_surface() {
+    let paraboloid = conic(4.0, 2.0, -1.0);
+    let biconic = Description::new(4.0, Base::Biconic { curvatures: [2.0, 2.0], conics: [-1.0, -1.0] });
+    let terms = Description { mixed: vec![(2, 0, 1.0), (0, 2, 1.0)], ..Description::new(4.0, FLAT) };
+    let below = Description { even: vec![1.0], ..Description::new(4.0, FLAT) };
+    let mut rng = rng(77);
+    for of in [paraboloid, biconic, terms, below] {
+        let surface = surface(&of);
+        for round in 0..400 * effort() {
+            // numbers of few bits: z = x^2 + y^2 exactly, and the ray is exactly in the tangent plane
+            let mut dyadic = |bits: f64| rng.random_range(-16i32..=16) as f64 / bits;
+            let (x, y, dx, dy) = (dyadic(8.0), dyadic(8.0), dyadic(4.0), dyadic(4.0));
+            if (dx, dy) == (0.0, 0.0) {
+                continue;
+            }
+            let (touch, d) = (Vec3::new(x, y, x * x + y * y), Vec3::new(dx, dy, 2.0 * (x * dx + y * dy)));
+            let back = dyadic(4.0);
+            let d = if round % 3 == 0 { d.normalize() } else { d };
+            let ray = Ray::new(touch - back * d, d);
+            for t in all(&surface, &ray).1 {
+                let p = ray.origin + t * ray.direction;
+                let off = (p.z - (p.x * p.x + p.y * p.y)).abs();
+                assert!(p.truncate().length() > 3.99 || off < 1e-12, "{ray:?}: {off:e} at {t}");
+            }
+        }
+    }
+}
+
+/// Rays through points of the surface with few bits, so that f is exactly 0 where the search divides the ray: the side between
+/// the crossings is that of exact arithmetic.
+#[test]
+fn roots_at_dyadic_times_hide_no_other_root() {
+    let few = |mixed| Description { mixed, ..Description::new(4.0, FLAT) };
+    let list = [
+        few(vec![(3, 0, 1.0)]),
+        few(vec![(1, 1, 1.0 / 16.0)]),
+        few(vec![(2, 1, 0.25), (0, 2, -0.5)]),
+        Description { even: vec![-1.0, 0.25], ..Description::new(2.0, FLAT) },
+    ];
+    let (mut rng, mut tested) = (rng(78), 0);
+    for (of, _) in list.iter().flat_map(|of| (0..3000 * effort()).map(move |round| (of, round))) {
+        let mut dyadic = |bits: f64| rng.random_range(-8i32..=8) as f64 / bits;
+        let (x, y, d) = (dyadic(4.0), dyadic(4.0), Vec3::new(dyadic(2.0), dyadic(2.0), dyadic(4.0)));
+        let back = dyadic(4.0);
+        let ray = Ray::new(Vec3::new(x, y, 0.0), d);
+        // raised so that f is 0 at time 0
+        let raised = -value(&along(of, &ray, 0.0), 0.0);
+        let ray = Ray::new(ray.origin + Vec3::new(0.0, 0.0, raised) - back * d, d);
+        let Some((from, to)) = (d.truncate().length() > 0.0).then(|| inside(of, &ray)).flatten() else {
+            continue;
+        };
+        let (exactly, (starts, times)) = (along(of, &ray, 0.0), all(&surface(of), &ray));
+        for k in 0..16 {
+            let t = from + (to - from) * (k as f64 + 0.37) / 16.0;
+            let exact = value(&exactly, t);
+            let inside = starts ^ (times.iter().filter(|&&root| root < t).count() % 2 == 1);
+            if exact.abs() > 1e-12 {
+                tested += 1;
+                assert_eq!(inside, exact < 0.0, "{of:?} {ray:?} at {t}: {exact:e}, {times:?}");
+            }
+        }
+    }
+    assert!(tested > 30_000, "{tested}");
+}
+
+/// The cone z > r, with the ray on it at the time 0: `r^2 - z^2 = 16 t^2 + 5.5 t`.
+#[test]
+fn a_chord_of_a_cone_that_ends_at_time_0() {
+    let cone = Description { odd: vec![1.0], ..Description::new(4.0, FLAT) };
+    let ray = Ray::new(Vec3::new(-1.0, 0.75, 1.25), Vec3::new(-1.0, 4.0, 1.0));
+    let times = all(&surface(&cone), &ray).1;
+    assert!(times.len() == 3 && times[0] == -0.34375 && times[1].abs() < 1e-15, "{times:?}");
+}

@@ -52,6 +52,12 @@ impl End {
         End { t, value, slope, negative: value < 0.0 }
     }
 
+    /// The end with the sign of its neighbour if the value is noise. If f becomes 0 there without a change of sign, there is no
+    /// crossing; else the root is found in the next piece.
+    pub fn beside(self, negative: bool, f: &impl Smooth) -> End {
+        if self.value.abs() <= quiet(f) { End { negative, ..self } } else { self }
+    }
+
     /// The end of -f.
     fn negated(self) -> End {
         End { value: -self.value, slope: -self.slope, negative: !self.negative, ..self }
@@ -79,10 +85,16 @@ fn visit(f: &impl Smooth, a: End, b: End, (depth, left): (u32, &mut u32), emit: 
         Kind::Bent { up: false } => bent(&Negated(f), a.negated(), b.negated(), emit),
         Kind::Any => {
             let middle = End::of(f, piece.middle());
+            let middle = if a.negative == b.negative { middle.beside(a.negative, f) } else { middle };
             visit(f, a, middle, (depth - 1, left), emit);
             visit(f, middle, b, (depth - 1, left), emit);
         }
     }
+}
+
+/// Bound of the values that are treated as 0: a quarter of the noise, so that values beyond the noise are not.
+fn quiet(f: &impl Smooth) -> f64 {
+    0.25 * f.noise()
 }
 
 /// At most one sign change.
@@ -228,8 +240,11 @@ fn bent(f: &impl Smooth, a: End, b: End, emit: &mut dyn FnMut(f64)) {
     }
 }
 
-/// A point at which a function with increasing slope, positive at both ends, is negative; `None` if there is none.
+/// A point at which a function with increasing slope, positive at both ends, is negative by more than noise; `None` if there is
+/// none.
 fn below_zero(f: &impl Smooth, mut a: End, mut b: End) -> Option<End> {
+    // a smaller value could be that of a point of contact
+    let least = quiet(f);
     for _ in 0..DEPTH {
         // such a function is above its tangents
         if a.slope >= 0.0 || b.slope <= 0.0 || tangents_meet_above_zero(&a, &b) {
@@ -241,7 +256,7 @@ fn below_zero(f: &impl Smooth, mut a: End, mut b: End) -> Option<End> {
         }
         let next = End::of(f, t);
         match next.slope {
-            _ if next.negative => return Some(next),
+            _ if next.value < -least => return Some(next),
             slope if slope < 0.0 => a = next,
             _ => b = next,
         }
@@ -255,24 +270,29 @@ fn tangents_meet_above_zero(a: &End, b: &End) -> bool {
 }
 
 /// The root between two ends of different sign: Newton's method, safeguarded by bisection.
+///
+/// Where |f| is noise, f may have another root than the one between the ends, with the opposite slope: an end may be a root
+/// itself, or f may touch 0 there. Such a point replaces the nearer end and keeps that end's sign.
 pub(super) fn root(f: &impl Smooth, mut a: End, mut b: End) -> f64 {
     let (mut t, mut last) = (first_guess(&a, &b), b.t - a.t);
     // a step as small as the rounding of t or f is the last one
-    let (finest, quiet) = (2.0 * UNIT_ROUNDOFF * a.t.abs().max(b.t.abs()), 0.25 * f.noise());
+    let (finest, quiet) = (2.0 * UNIT_ROUNDOFF * a.t.abs().max(b.t.abs()), quiet(f));
     for _ in 0..200 {
         let here = End::of(f, t);
         let step = -here.value / here.slope;
-        if step.abs() <= finest || here.value.abs() <= quiet {
-            let newton = t + step;
-            return if a.t <= newton && newton <= b.t { newton } else { t };
+        let is_quiet = here.value.abs() <= quiet;
+        let is_other = is_quiet && if a.negative { here.slope < 0.0 } else { here.slope > 0.0 };
+        if !is_other && (is_quiet || step.abs() <= finest) {
+            return polished(f, &here, step, (&a, &b), finest);
         }
-        if here.negative == a.negative {
-            a = here
+        let is_first = if is_other { t - a.t < b.t - t } else { here.negative == a.negative };
+        if is_first {
+            a = End { negative: a.negative, ..here }
         } else {
-            b = here
+            b = End { negative: b.negative, ..here }
         }
         let (newton, halved) = (t + step, 0.5 * (a.t + b.t));
-        let is_slow = 2.0 * step.abs() > last.abs();
+        let is_slow = is_other || 2.0 * step.abs() > last.abs();
         let next = if a.t < newton && newton < b.t && !is_slow { newton } else { halved };
         last = next - t;
         if next <= a.t || b.t <= next {
@@ -282,6 +302,21 @@ pub(super) fn root(f: &impl Smooth, mut a: End, mut b: End) -> f64 {
     }
     t
 }
+
+/// The result of a last Newton step. If |f| is noise, so may be the slope, and the step may lead anywhere: a step beyond the
+/// rounding of t is taken only if |f| does not grow beyond the noise.
+fn polished(f: &impl Smooth, here: &End, step: f64, (a, b): (&End, &End), finest: f64) -> f64 {
+    let newton = here.t + step;
+    let is_between = a.t <= newton && newton <= b.t;
+    if is_between && (step.abs() <= FINE * finest || f.at(newton).0.abs() <= f.noise()) {
+        newton
+    } else {
+        here.t
+    }
+}
+
+/// The largest last step, relative to the rounding of the time, that needs no test.
+const FINE: f64 = 64.0;
 
 /// Zero of the straight line through two ends.
 fn first_guess(a: &End, b: &End) -> f64 {

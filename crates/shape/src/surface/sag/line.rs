@@ -32,7 +32,8 @@ impl<'a> Line<'a> {
             return first;
         };
         let within = self.within();
-        let (from, to) = (End::of(&within, a), End::of(&within, b));
+        let from = End::of(&within, a).beside(first, &within);
+        let to = End::of(&within, b).beside(last, &within);
         self.beyond(first, from.negative, (f64::NEG_INFINITY, a), emit);
         within.sign_changes(from, to, emit);
         self.beyond(to.negative, last, (b, f64::INFINITY), emit);
@@ -56,12 +57,12 @@ impl<'a> Line<'a> {
             return self.beyond(is_inside_after, last, (0.0, f64::INFINITY), emit);
         };
         let within = self.within().bounded((a.max(0.0), b));
-        let to = End::of(&within, b);
+        let to = End::of(&within, b).beside(last, &within);
         let ends_negative = if a <= 0.0 {
             let from = End { t: 0.0, value: 0.0, slope, negative: is_inside_after };
             sign_changes_after(&within, from, to, emit)
         } else {
-            let from = End::of(&within, a);
+            let from = End::of(&within, a).beside(is_inside_after, &within);
             self.beyond(is_inside_after, from.negative, (0.0, a), emit);
             within.sign_changes(from, to, emit);
             to.negative
