@@ -24,7 +24,7 @@ pub fn crossings_along<'py>(
         || (),
         |(), curve, t0, t1| {
             let found = trace_curve(program, curve, t0, t1)?;
-            Ok(Table::of_curve(program, curve, &found))
+            Ok(Table::of_curve(engine, curve, &found))
         },
         |part| {
             tables.push(part);

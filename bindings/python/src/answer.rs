@@ -68,7 +68,7 @@ pub fn take<'a, T>(column: &mut &'a mut [T], count: usize) -> &'a mut [T] {
 
 /// The number of a region's medium.
 pub fn medium_of(engine: &Engine, region: u32) -> i32 {
-    engine.program.medium_of(RegionId(region)) as i32
+    engine.medium_of(RegionId(region)) as i32
 }
 
 /// The arrays of the result of a ray query.

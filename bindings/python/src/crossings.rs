@@ -10,14 +10,14 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyType};
 use rayweave::AnyEvaluator;
 use rayweave::model::memory::Growth;
-use rayweave::model::{Crossing, Evaluator, Program, Query, RayAnswer, Window, attributes};
+use rayweave::model::{Crossing, Evaluator, Query, RayAnswer, Window, attributes};
 use rayweave::shape::Ray;
 use rayweave::space::{Curve, CurveTrace, curve_normal, curve_point};
 
 use crate::answer::{Answer, Rows, column, medium_of, take};
 use crate::arrays::{MANY, fresh, no_memory, room};
 use crate::device::Chosen;
-use crate::engine::{Chunking, Engine, QueryOptions, Worker, inside, run_query, share, surface};
+use crate::engine::{Chunking, Engine, QueryOptions, Worker, run_query, share, surface};
 use crate::error::bad_value;
 use crate::rays::{Columns, RayArrays, RayRows};
 
@@ -45,22 +45,23 @@ pub struct Table {
 }
 
 impl Table {
-    fn push(&mut self, program: &Program, ray: &Ray, answer: &RayAnswer<'_>) {
-        self.start(answer.start.0, inside(program, answer.start), answer.crossings.len());
+    fn push(&mut self, engine: &Engine, ray: &Ray, answer: &RayAnswer<'_>) {
+        let program = &engine.program;
+        self.start(answer.start.0, engine.is_inside(answer.start), answer.crossings.len());
         self.rows.extend(answer.crossings.iter().map(|crossing| {
             let (point, normal) =
                 (attributes::point(ray, crossing), attributes::normal(program, ray, crossing));
-            row(program, [point.to_array(), normal.to_array()], crossing)
+            row(engine, [point.to_array(), normal.to_array()], crossing)
         }));
     }
 
     /// Crossings of one curve.
-    pub fn of_curve(program: &Program, curve: &dyn Curve<3>, found: &CurveTrace) -> Table {
+    pub fn of_curve(engine: &Engine, curve: &dyn Curve<3>, found: &CurveTrace) -> Table {
         let mut table = Table::default();
-        table.start(found.start.0, inside(program, found.start), found.crossings.len());
+        table.start(found.start.0, engine.is_inside(found.start), found.crossings.len());
         table.rows.extend(found.crossings.iter().map(|crossing| {
-            let dressed = [curve_point(curve, crossing), curve_normal(program, curve, crossing)];
-            row(program, dressed, crossing)
+            let dressed = [curve_point(curve, crossing), curve_normal(&engine.program, curve, crossing)];
+            row(engine, dressed, crossing)
         }));
         table
     }
@@ -103,8 +104,8 @@ impl Table {
     }
 }
 
-fn row(program: &Program, [point, normal]: [[f64; 3]; 2], crossing: &Crossing) -> Row {
-    let enters = inside(program, crossing.after);
+fn row(engine: &Engine, [point, normal]: [[f64; 3]; 2], crossing: &Crossing) -> Row {
+    let enters = engine.is_inside(crossing.after);
     Row {
         t: crossing.t,
         point,
@@ -113,7 +114,7 @@ fn row(program: &Program, [point, normal]: [[f64; 3]; 2], crossing: &Crossing) -
         normal: if enters == crossing.enters() { normal } else { normal.map(|x| -x) },
         before: crossing.before.0,
         after: crossing.after.0,
-        surface: surface(program, crossing),
+        surface: surface(&engine.program, crossing),
         placement: crossing.face.placement.0 as i32,
         enters,
     }
@@ -141,6 +142,7 @@ impl TableSize {
 /// The arguments of the query.
 struct QueryArguments<'a, 'py> {
     py: Python<'py>,
+    engine: &'a Engine,
     evaluator: Chosen<'a>,
     rays: RayArrays<'py>,
     window: Window,
@@ -154,7 +156,7 @@ impl<'a, 'py> QueryArguments<'a, 'py> {
         let evaluator = engine.chosen(py, options)?;
         // small tables stay in the L1 or L2 cache
         let chunking = options.chunking(rays.len(), &evaluator).small();
-        Ok(QueryArguments { py, evaluator, rays, window: options.window, chunking })
+        Ok(QueryArguments { py, engine, evaluator, rays, window: options.window, chunking })
     }
 
     /// Computes the crossings of every chunk into a table from `table`, and passes the tables to
@@ -165,8 +167,9 @@ impl<'a, 'py> QueryArguments<'a, 'py> {
         merge: impl FnMut(Table) -> PyResult<()> + Send,
     ) -> PyResult<()> {
         let (rays, window) = (self.rays.rows(), self.window);
-        let work =
-            |worker: &mut Worker<'_, Columns>, range| append_crossings(worker, rays, range, window, table());
+        let work = |worker: &mut Worker<'_, Columns>, range| {
+            append_crossings(self.engine, worker, rays, range, window, table())
+        };
         if run_query(self.py, &self.evaluator, self.chunking, self.chunking.ranges(), work, merge)? {
             Ok(())
         } else {
@@ -190,10 +193,11 @@ impl<'a, 'py> QueryArguments<'a, 'py> {
         let step = (self.chunking.len / SAMPLE).max(1);
         let (rays, count) = (self.rays.rows().every(step), self.chunking.len.div_ceil(step));
         let (evaluator, window): (&AnyEvaluator, _) = (&self.evaluator, self.window);
+        let engine = self.engine;
         let sampled = self.py.detach(|| {
             let (memory, scratch) = (evaluator.scratch(), Columns::default());
             let mut worker = Worker { evaluator, memory, scratch };
-            let table = append_crossings(&mut worker, rays, 0..count, window, Table::default());
+            let table = append_crossings(engine, &mut worker, rays, 0..count, window, Table::default());
             // invalid rays are reported when all rays are processed
             table.map_or(0, |table| table.rows.len())
         });
@@ -205,6 +209,7 @@ impl<'a, 'py> QueryArguments<'a, 'py> {
 
 /// Appends the crossings of some rays to a table; `None` if one of the rays is invalid.
 fn append_crossings(
+    engine: &Engine,
     worker: &mut Worker<'_, Columns>,
     rays: RayRows<'_>,
     range: Range<usize>,
@@ -215,7 +220,7 @@ fn append_crossings(
     let block = worker.block();
     for start in range.clone().step_by(block) {
         let rays = worker.scratch.rays(rays, start..range.end.min(start + block), program)?;
-        let mut sink = |answer: RayAnswer<'_>| table.push(program, &rays.get(answer.ray), &answer);
+        let mut sink = |answer: RayAnswer<'_>| table.push(engine, &rays.get(answer.ray), &answer);
         worker.evaluator.crossings(rays, &query, &mut worker.memory, &mut sink);
     }
     Some(table)

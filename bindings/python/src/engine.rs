@@ -1,5 +1,6 @@
 //! Query engine of a compiled solid or model: evaluators, threads and interrupts.
 
+use std::iter;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::atomic::AtomicUsize;
@@ -12,7 +13,8 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBool, PyInt, PyTuple};
 use rayweave::device::{Device, DeviceEvaluator, DeviceOptions};
 use rayweave::model::drive::{Cancel, Stopped, drive, thread_count};
-use rayweave::model::{Crossing, Evaluator, LeafKind, Program, RegionId, Window};
+use rayweave::model::{Crossing, Evaluator, LeafKind, Medium, Program, RegionId, Window};
+use rayweave::scene::Scene;
 use rayweave::{AnyEvaluator, AnyScratch, Compiled, Message};
 
 use crate::device::{Chosen, device_argument, warn};
@@ -40,6 +42,8 @@ pub struct Engine {
     pub program: Arc<Program>,
     /// The names of the media by number; `None` for a single solid.
     pub media: Option<Arc<[String]>>,
+    /// The numbers of the media by region, the world first, if the program has a medium for each region instead.
+    region_media: Option<Box<[Medium]>>,
     evaluator: AnyEvaluator,
     /// The evaluators of the devices `gpu` and `auto`, once they are used.
     devices: [OnceLock<DeviceEvaluator>; 2],
@@ -56,18 +60,35 @@ pub struct Engine {
 impl Engine {
     /// Creates the engine of a solid.
     pub fn of_solid(program: Program) -> PyResult<Self> {
-        Engine::new(Arc::new(program), None)
+        Engine::new(Arc::new(program), None, None)
     }
 
     /// Creates the engine of a model.
     pub fn of_model(compiled: &Compiled) -> PyResult<Self> {
-        Engine::new(compiled.program.clone(), Some(compiled.media.clone()))
+        Engine::new(compiled.program.clone(), Some(compiled.media.clone()), None)
     }
 
-    fn new(program: Arc<Program>, media: Option<Arc<[String]>>) -> PyResult<Self> {
+    /// Creates the engine of a model that reports changes of region within a medium, too.
+    pub fn by_region(scene: &Scene) -> PyResult<Self> {
+        let compiled = Compiled::by_region(scene).map_err(bad_value)?;
+        let names = scene.medium_names().into_iter().map(str::to_owned).collect();
+        let media = iter::once(0).chain(scene.regions.iter().map(|region| region.medium)).collect();
+        Engine::new(compiled.program, Some(names), Some(media))
+    }
+
+    fn new(
+        program: Arc<Program>,
+        media: Option<Arc<[String]>>,
+        region_media: Option<Box<[Medium]>>,
+    ) -> PyResult<Self> {
+        let is_plain = match &region_media {
+            Some(media) => media.iter().skip(1).all(|&medium| medium != 0),
+            None => program.regions().iter().all(|region| region.medium != 0),
+        };
         Ok(Engine {
             evaluator: AnyEvaluator::new(None, program.clone()).map_err(bad_value)?,
-            is_plain: program.regions().iter().all(|region| region.medium != 0),
+            region_media,
+            is_plain,
             devices: Default::default(),
             program,
             media,
@@ -114,6 +135,19 @@ impl Engine {
         Ok(place.get_or_init(|| made))
     }
 
+    /// The number of the medium of a region; 0 is that of the world.
+    pub fn medium_of(&self, region: RegionId) -> Medium {
+        match &self.region_media {
+            Some(media) => media[region.index()],
+            None => self.program.medium_of(region),
+        }
+    }
+
+    /// Whether a region is inside: its medium is not that of the world.
+    pub fn is_inside(&self, region: RegionId) -> bool {
+        self.medium_of(region) != 0
+    }
+
     /// True if no region has the medium of the world.
     pub fn is_plain(&self) -> bool {
         self.is_plain
@@ -129,7 +163,7 @@ impl Engine {
         let pairs = flags.iter_mut().zip(regions);
         match self.is_plain {
             true => pairs.for_each(|(flag, &region)| *flag = region != 0),
-            false => pairs.for_each(|(flag, &region)| *flag = inside(&self.program, RegionId(region))),
+            false => pairs.for_each(|(flag, &region)| *flag = self.is_inside(RegionId(region))),
         }
     }
 
@@ -410,11 +444,6 @@ fn run<C: Send, A: Send, M>(
         Err(Stopped::Failed(Halt::Raised(error))) => Err(error),
         Err(Stopped::Cancelled) => Err(pyo3::exceptions::PyKeyboardInterrupt::new_err("cancelled")),
     }
-}
-
-/// True if the medium of a region is not that of the world.
-pub fn inside(program: &Program, region: RegionId) -> bool {
-    program.medium_of(region) != 0
 }
 
 /// The number of the face of a crossing.

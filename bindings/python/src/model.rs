@@ -52,6 +52,8 @@ pub struct PyModel {
     overridden: bool,
     /// Compiled at the first query.
     compiled: OnceLock<(Compiled, Engine)>,
+    /// Compiled at the first query by region.
+    by_region: OnceLock<Engine>,
     solids: PyOnceLock<Py<PyDict>>,
 }
 
@@ -59,7 +61,14 @@ impl PyModel {
     fn new(read: Result<(Option<Document>, Scene), Diagnostics>, overridden: bool) -> PyResult<Self> {
         let (stated, scene) = read.map_err(bad_value)?;
         let scene = Arc::new(scene);
-        Ok(PyModel { stated, scene, overridden, compiled: OnceLock::new(), solids: PyOnceLock::new() })
+        Ok(PyModel {
+            stated,
+            scene,
+            overridden,
+            compiled: OnceLock::new(),
+            by_region: OnceLock::new(),
+            solids: PyOnceLock::new(),
+        })
     }
 
     /// The evaluated scene.
@@ -87,6 +96,18 @@ impl PyModel {
     /// Evaluator of queries.
     pub fn engine(&self, py: Python<'_>) -> PyResult<&Engine> {
         Ok(&self.compiled(py)?.1)
+    }
+
+    /// Evaluator of queries `by` "medium" or "region".
+    fn engine_by(&self, py: Python<'_>, by: &str) -> PyResult<&Engine> {
+        match by {
+            "medium" => self.engine(py),
+            "region" => computed(&self.by_region, || {
+                let scene = self.scene.clone();
+                abandonable(py, move || Engine::by_region(&scene))?
+            }),
+            _ => Err(bad_value(format!("by is '{by}': it must be 'medium' or 'region'."))),
+        }
     }
 
     /// The document of the current state of the model.
@@ -139,6 +160,12 @@ pub fn load_model(
     let is_overridden = !overrides.is_empty();
     let read = abandonable(py, move || formats::load(&path, format, &overrides, &options))?;
     PyModel::new(read.map(|imported| (imported.stated, imported.scene)), is_overridden)
+}
+
+/// Whether a solid has a name as writers of model files give it to parts of expressions: `_1`, `_2` and so on.
+fn is_generated(name: &str) -> bool {
+    name.strip_prefix('_')
+        .is_some_and(|number| !number.is_empty() && number.bytes().all(|c| c.is_ascii_digit()))
 }
 
 /// A unit of length by its symbol.
@@ -357,12 +384,13 @@ impl PyModel {
         hits::hits(self.engine(origins.py())?, [origins, directions], &options, return_surfaces, out)
     }
 
-    /// All changes of the medium, sorted by ray, then t: see `ModelCrossings`.
+    /// All changes of the medium, sorted by ray, then t: see `ModelCrossings`. With `by="region"`, also changes of region within one
+    /// medium.
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
-        evaluator = None, threads: "int | None" = None,
+        by: "Literal['medium', 'region']" = "medium", evaluator = None, threads: "int | None" = None,
         device: "Literal['cpu', 'gpu', 'auto']" = "cpu"
-    ) -> "ModelCrossings", text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, evaluator=None, threads=None, device='cpu')")]
+    ) -> "ModelCrossings", text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, by='medium', evaluator=None, threads=None, device='cpu')")]
     #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn crossings<'py>(
         &self,
@@ -370,39 +398,42 @@ impl PyModel {
         directions: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = time_argument)] t_min: f64,
         #[pyo3(from_py_with = time_argument)] t_max: f64,
+        by: &str,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
         device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (engine, options) =
-            (self.engine(origins.py())?, QueryOptions::new(t_min, t_max, evaluator, threads, device)?);
+            (self.engine_by(origins.py(), by)?, QueryOptions::new(t_min, t_max, evaluator, threads, device)?);
         crossings::crossings(engine, [origins, directions], &options)
     }
 
     /// All changes of the medium along one curve, or along each in a list of curves, strictly between two times: see
     /// `ModelCrossings`, where `ray` is the number of the curve and `t` its own time. The times are finite numbers, or
     /// (N,) arrays with one for each curve. Curves are described in `rayweave.space`: `Helix` and others, or any object
-    /// with `position(t)`, `velocity(t)` and `acceleration_bound(t0, t1)`.
+    /// with `position(t)`, `velocity(t)` and `acceleration_bound(t0, t1)`. With `by="region"`, also changes of region within one medium.
     #[pyo3(signature = (
         curves: "Trajectory | Iterable[Trajectory]", t_min: "float | ArrayLike", t_max: "float | ArrayLike",
-        *, threads: "int | None" = None
+        *, by: "Literal['medium', 'region']" = "medium", threads: "int | None" = None
     ) -> "ModelCrossings")]
     fn crossings_along<'py>(
         &self,
         curves: &Bound<'py, PyAny>,
         t_min: &Bound<'py, PyAny>,
         t_max: &Bound<'py, PyAny>,
+        by: &str,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        along::crossings_along(self.engine(curves.py())?, curves, [t_min, t_max], threads)
+        along::crossings_along(self.engine_by(curves.py(), by)?, curves, [t_min, t_max], threads)
     }
 
-    /// The first change of the medium of each ray after t_min: see `ModelCrossings`.
+    /// The first change of the medium of each ray after t_min: see `ModelCrossings`. With `by="region"`, also a change of region
+    /// within one medium.
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = 0.0, t_max = f64::INFINITY, *,
-        evaluator = None, threads: "int | None" = None,
+        by: "Literal['medium', 'region']" = "medium", evaluator = None, threads: "int | None" = None,
         device: "Literal['cpu', 'gpu', 'auto']" = "cpu"
-    ) -> "ModelCrossings", text_signature = "($self, origins, directions, t_min=0.0, t_max=1e999, *, evaluator=None, threads=None, device='cpu')")]
+    ) -> "ModelCrossings", text_signature = "($self, origins, directions, t_min=0.0, t_max=1e999, *, by='medium', evaluator=None, threads=None, device='cpu')")]
     #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn nearest<'py>(
         &self,
@@ -410,20 +441,21 @@ impl PyModel {
         directions: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = time_argument)] t_min: f64,
         #[pyo3(from_py_with = time_argument)] t_max: f64,
+        by: &str,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
         device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         let options = QueryOptions::new(t_min, t_max, evaluator, threads, device)?;
-        nearest::nearest(self.engine(origins.py())?, [origins, directions], &options)
+        nearest::nearest(self.engine_by(origins.py(), by)?, [origins, directions], &options)
     }
 
-    /// The pieces of each ray in one medium, from t_min to t_max: see `Partition`.
+    /// The pieces of each ray in one medium, from t_min to t_max: see `Partition`. With `by="region"`, the pieces in one region.
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
-        evaluator = None, threads: "int | None" = None,
+        by: "Literal['medium', 'region']" = "medium", evaluator = None, threads: "int | None" = None,
         device: "Literal['cpu', 'gpu', 'auto']" = "cpu"
-    ) -> "Partition", text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, evaluator=None, threads=None, device='cpu')")]
+    ) -> "Partition", text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, by='medium', evaluator=None, threads=None, device='cpu')")]
     #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn partition<'py>(
         &self,
@@ -431,12 +463,13 @@ impl PyModel {
         directions: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = time_argument)] t_min: f64,
         #[pyo3(from_py_with = time_argument)] t_max: f64,
+        by: &str,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
         device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (engine, options) =
-            (self.engine(origins.py())?, QueryOptions::new(t_min, t_max, evaluator, threads, device)?);
+            (self.engine_by(origins.py(), by)?, QueryOptions::new(t_min, t_max, evaluator, threads, device)?);
         crossings::partition(engine, [origins, directions], &options)
     }
 
@@ -453,6 +486,22 @@ impl PyModel {
     ) -> PyResult<Bound<'py, PyAny>> {
         let options = QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads, device)?;
         points::contains(self.engine(points.py())?, points, &options)
+    }
+
+    /// The region of each point (N, 3) or (3,): int32 (N,), or (...) for a grid (..., 3). Region k + 1 is `regions[k]`, 0 is the
+    /// world.
+    #[pyo3(signature = (
+        points: "ArrayLike", *, evaluator = None, threads: "int | None" = None, device: "Literal['cpu', 'gpu', 'auto']" = "cpu"
+    ) -> "NDArray[np.int32]")]
+    fn regions_at<'py>(
+        &self,
+        points: &Bound<'py, PyAny>,
+        evaluator: Option<&str>,
+        threads: Option<&Bound<'py, PyAny>>,
+        device: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let options = QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads, device)?;
+        points::regions_at(self.engine(points.py())?, points, &options)
     }
 
     /// Paths of names and copy numbers, such as "tower[3]/brick[12]/hole", of `occurrences` as in
@@ -577,9 +626,14 @@ impl PyModel {
         self.current_document().to_toml()
     }
 
-    /// Equal if solids, regions, media and pictures are equal, regardless of the parameters behind them.
+    /// Equal if solids, regions, media and pictures are equal, regardless of the parameters behind them. Solids to which a
+    /// writer gave a name, such as `_1`, count as parts of the others.
     fn __eq__(&self, other: PyRef<'_, Self>) -> bool {
-        let meaning = |scene: &Scene| Scene { parameters: Vec::new(), ..scene.clone() };
+        let meaning = |scene: &Scene| Scene {
+            parameters: Vec::new(),
+            solids: scene.solids.iter().filter(|(name, _)| !is_generated(name)).cloned().collect(),
+            ..scene.clone()
+        };
         meaning(&self.scene) == meaning(&other.scene)
     }
 

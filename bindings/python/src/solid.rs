@@ -434,8 +434,9 @@ impl PySolid {
         }
     }
 
-    /// The volume: exact for a single shape and for a mesh whose surface does not intersect itself, otherwise measured by rays within 0.1 % at a confidence of 99 %. `rayweave.measure`
-    /// returns the interval.
+    /// The volume: exact for a single shape whose volume has a closed form and for a mesh whose surface does not intersect itself,
+    /// otherwise (`biconic`, `freeform`, `convex`, `quadric`, some aspheres, all expressions) measured by rays within 0.1 % at a
+    /// confidence of 99 %. `rayweave.measure` returns the interval.
     ///
     /// >>> import rayweave as rw
     /// >>> rw.box([1, 2, 3]).volume

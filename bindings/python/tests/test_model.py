@@ -273,3 +273,63 @@ def test_warnings_are_errors_if_asked(tmp_path: Path) -> None:
         rw.load(path, strict=True)
     with pytest.raises(rw.RayweaveError, match="unknown parameter `heavy`"):
         rw.loads(TEXT.replace("index = 1.5", "index = 1.5\ndensity = 'heavy'"))
+
+
+def two_boxes():
+    a, b = rw.box([1, 1, 1]).translate([0.5, 0, 0]), rw.box([2, 1, 1]).translate([2, 0, 0])
+    hole = rw.sphere(0.25).translate([2, 0, 0])
+    regions = [rw.Region("a", a, "steel"), rw.Region("b", b, "steel"), rw.Region("hole", hole, "world")]
+    return rw.Model(regions, {"steel": {"density": 7.85}})
+
+
+def test_queries_by_region_separate_regions_of_one_medium():
+    model = two_boxes()
+    ray = [-1, 0, 0], [1, 0, 0]
+    by_medium, by_region = model.crossings(*ray), model.crossings(*ray, by="region")
+    assert by_medium.t.tolist() == [1, 2.75, 3.25, 4] and by_region.t.tolist() == [1, 2, 2.75, 3.25, 4]
+    names = np.array(by_region.region_names)
+    assert names[by_region.region_before].tolist() == ["world", "a", "b", "hole", "b"]
+    assert names[by_region.region_after].tolist() == ["a", "b", "hole", "b", "world"]
+    media = np.array(by_region.medium_names)
+    assert media[by_region.medium_after].tolist() == ["steel", "steel", "world", "steel", "world"]
+    assert by_region.enters.tolist() == [True, True, False, True, False]
+    # normals point out of the solid, against the ray between two media
+    assert by_region.normal[:, 0].tolist() == [-1, -1, 1, -1, 1]
+    nearest = model.nearest([0.5, 0, 0], [1, 0, 0], by="region")
+    assert nearest.t.tolist() == [0.5] and nearest.start_inside.tolist() == [True] and nearest.enters.tolist() == [True]
+    pieces = model.partition(*ray, t_min=0, t_max=5, by="region")
+    assert pieces.path_lengths("region").tolist() == [[2, 1, 1.5, 0.5]]
+    assert pieces.path_lengths().tolist() == [[2.5, 2.5]]
+    with pytest.raises(rw.RayweaveError, match="by is 'solid': it must be 'medium' or 'region'."):
+        model.crossings(*ray, by="solid")
+    with pytest.raises(rw.RayweaveError, match="by is 'solid': it must be 'medium' or 'region'."):
+        pieces.path_lengths("solid")
+
+
+def test_regions_at_points():
+    model = two_boxes()
+    points = np.array([[-1, 0, 0], [0.5, 0, 0], [1.5, 0.3, 0], [2, 0, 0.1]])
+    regions = model.regions_at(points)
+    assert regions.dtype == np.int32 and regions.tolist() == [0, 1, 2, 3]
+    assert model.contains(points).tolist() == [False, True, True, False]
+    assert model.regions_at(points.reshape(2, 2, 3)).tolist() == [[0, 1], [2, 3]]
+    assert model.regions_at([2, 0, 0.1]).shape == model.contains([2, 0, 0.1]).shape
+
+
+def test_models_of_booleans_equal_their_files():
+    shell = rw.sphere(2).named("out") - rw.sphere(1)
+    model = rw.Model([rw.Region("shell", shell, "glass")], {"glass": 1.5})
+    assert rw.loads(model.to_toml()) == model
+    assert pickle.loads(pickle.dumps(model)) == model
+    other = rw.Model([rw.Region("shell", rw.sphere(2).named("out") - rw.sphere(1.5), "glass")], {"glass": 1.5})
+    assert rw.loads(other.to_toml()) != model
+
+
+def test_names_are_categories_even_if_faces_share_one():
+    shell = (rw.sphere(2) - rw.sphere(1)).named("shell")
+    table = shell.crossings([[-3, 0, 0], [0, 5, 0]], [1, 0, 0])
+    assert len(set(table.surface_names)) < len(table.surface_names)
+    column = table.to_pandas()["surface"]
+    assert column.dtype == "category" and column.tolist() == ["shell.sphere.side"] * 4
+    misses = shell.nearest([[-3, 0, 0], [0, 5, 0]], [1, 0, 0]).to_pandas()["surface"]
+    assert misses.isna().tolist() == [False, True]

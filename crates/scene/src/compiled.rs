@@ -2,7 +2,7 @@
 
 use crate::{Colour, Medium, Scene, SceneError, SceneRegion};
 use rayweave_error::Message;
-use rayweave_model::{Program, RegionId, Solid};
+use rayweave_model::{Program, Region, RegionId, Solid};
 use std::sync::Arc;
 
 /// A compiled scene with the names of its media.
@@ -15,7 +15,8 @@ pub struct Compiled {
 }
 
 impl Compiled {
-    /// Compiles the regions of a scene.
+    /// Compiles the regions of a scene. A change of region within one medium is not a crossing of the model: see
+    /// [`by_region`](Self::by_region).
     ///
     /// # Errors
     ///
@@ -24,6 +25,21 @@ impl Compiled {
     pub fn new(scene: &Scene) -> Result<Compiled, SceneError> {
         let program = Program::compile_file_regions(&scene.model_regions())?;
         let media = scene.medium_names().into_iter().map(str::to_owned).collect();
+        Ok(Compiled { program: Arc::new(program), media })
+    }
+
+    /// Compiles the regions of a scene, each as a medium of its own, with the name of the region: crossings between regions of
+    /// one medium, which [`new`](Self::new) leaves out, are found, too.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Compiled::new`].
+    pub fn by_region(scene: &Scene) -> Result<Compiled, SceneError> {
+        let regions: Vec<_> =
+            (1..).zip(scene.model_regions()).map(|(medium, region)| Region { medium, ..region }).collect();
+        let program = Program::compile_file_regions(&regions)?;
+        let names = scene.regions.iter().map(|region| region.name.clone());
+        let media = std::iter::once("world".to_owned()).chain(names).collect();
         Ok(Compiled { program: Arc::new(program), media })
     }
 

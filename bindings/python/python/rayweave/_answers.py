@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rayweave._core import RayweaveError
 from rayweave._table import Table
 
 
@@ -61,7 +62,9 @@ class Crossings(Table):
     start_inside: NDArray[np.bool_]
     """(N,) whether the ray is inside just after t_min."""
     surface_names: tuple[str, ...]
-    """The names of all faces."""
+    """The names of all faces: the name of the solid, the shape, and its face. Two shapes of one kind in a solid without names of
+    their own, such as a sphere with a spherical cavity, have the same names of faces: name the shapes, or distinguish them by
+    `leaf`."""
 
     if not TYPE_CHECKING:
 
@@ -115,7 +118,8 @@ class ModelCrossings(Crossings):
     """Crossings at which the medium changes: like `Crossings`, with media and regions.
 
     ``enters`` is True if the medium after the crossing is not that of the world. Between two such media the normal
-    points against the ray.
+    points against the ray. Where two regions of one medium touch or overlap, there is no crossing, so that the region after a
+    row may differ from the region before the next one; with ``by="region"`` there is one.
 
     >>> import rayweave as rw
     >>> model = rw.Model({"shell": rw.sphere(2), "core": rw.sphere(1)})
@@ -154,7 +158,8 @@ class Partition(Table):
     """The partition of rays by medium: S pieces, each in one medium, sorted by ray, then t.
 
     The pieces of ray i are ``offsets[i]:offsets[i + 1]``. They cover the requested window without gaps: the first
-    begins at t_min, the last ends at t_max, which may be infinite.
+    begins at t_min, the last ends at t_max, which may be infinite. A piece in several regions of one medium has the first of
+    them as its region; with ``by="region"`` each piece is in one region.
 
     >>> import rayweave as rw
     >>> pieces = rw.Model({"shell": rw.sphere(2), "core": rw.sphere(1)}).partition([-3, 0, 0], [1, 0, 0], 0)
@@ -186,20 +191,24 @@ class Partition(Table):
         """The number of pieces, S."""
         return len(self.t_start)
 
-    def path_lengths(self) -> NDArray[np.float64]:
+    def path_lengths(self, by: Literal["medium", "region"] = "medium") -> NDArray[np.float64]:
         """The total length of each ray in each medium, in units of the ray's direction: float64 (N, M), in the order of
-        `medium_names`; inf in an unbounded one. With directions `end - origin` and t from 0 to 1, multiply the rows by the
-        lengths of the directions.
+        `medium_names`; inf in an unbounded one, usually the world, which is column 0. With directions `end - origin` and t
+        from 0 to 1, multiply the rows by the lengths of the directions. With `by="region"`, for a partition by region, the
+        columns are those of `region_names`.
 
         >>> import rayweave as rw
         >>> pieces = rw.Model({"shell": rw.sphere(2), "core": rw.sphere(1)}).partition([-3, 0, 0], [1, 0, 0], 0, 6)
         >>> pieces.medium_names, pieces.path_lengths()
         (('world', 'shell', 'core'), array([[2., 2., 2.]]))
         """
-        rays, media = len(self.offsets) - 1, len(self.medium_names)
-        cells = self.ray * media + self.medium
-        sums = np.bincount(cells, self.t_end - self.t_start, rays * media)
-        return np.asarray(sums, dtype=np.float64).reshape(rays, media)
+        columns = {"medium": (self.medium, self.medium_names), "region": (self.region, self.region_names)}
+        if by not in columns:
+            raise RayweaveError(f"by is {by!r}: it must be 'medium' or 'region'.")
+        number, names = columns[by]
+        rays, width = len(self.offsets) - 1, len(names)
+        sums = np.bincount(self.ray * width + number, self.t_end - self.t_start, rays * width)
+        return np.asarray(sums, dtype=np.float64).reshape(rays, width)
 
     def _heading(self) -> str:
         return f"Partition: {len(self)} pieces of {len(self.offsets) - 1} rays"

@@ -347,11 +347,14 @@ class Model:
         t_min: float = ...,
         t_max: float = ...,
         *,
+        by: Literal["medium", "region"] = "medium",
         evaluator: str | None = None,
         threads: int | None = None,
         device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> ModelCrossings:
-        """All changes of the medium, sorted by ray, then t: see `ModelCrossings`."""
+        """All changes of the medium, sorted by ray, then t: see `ModelCrossings`. With `by="region"`, also changes of region within one
+        medium.
+        """
 
     def crossings_along(
         self,
@@ -359,12 +362,13 @@ class Model:
         t_min: float | ArrayLike,
         t_max: float | ArrayLike,
         *,
+        by: Literal["medium", "region"] = "medium",
         threads: int | None = None,
     ) -> ModelCrossings:
         """All changes of the medium along one curve, or along each in a list of curves, strictly between two times: see
         `ModelCrossings`, where `ray` is the number of the curve and `t` its own time. The times are finite numbers, or
         (N,) arrays with one for each curve. Curves are described in `rayweave.space`: `Helix` and others, or any object
-        with `position(t)`, `velocity(t)` and `acceleration_bound(t0, t1)`.
+        with `position(t)`, `velocity(t)` and `acceleration_bound(t0, t1)`. With `by="region"`, also changes of region within one medium.
         """
 
     def nearest(
@@ -374,11 +378,14 @@ class Model:
         t_min: float = 0.0,
         t_max: float = ...,
         *,
+        by: Literal["medium", "region"] = "medium",
         evaluator: str | None = None,
         threads: int | None = None,
         device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> ModelCrossings:
-        """The first change of the medium of each ray after t_min: see `ModelCrossings`."""
+        """The first change of the medium of each ray after t_min: see `ModelCrossings`. With `by="region"`, also a change of region
+        within one medium.
+        """
 
     def partition(
         self,
@@ -387,11 +394,12 @@ class Model:
         t_min: float = ...,
         t_max: float = ...,
         *,
+        by: Literal["medium", "region"] = "medium",
         evaluator: str | None = None,
         threads: int | None = None,
         device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> Partition:
-        """The pieces of each ray in one medium, from t_min to t_max: see `Partition`."""
+        """The pieces of each ray in one medium, from t_min to t_max: see `Partition`. With `by="region"`, the pieces in one region."""
 
     def contains(
         self,
@@ -402,6 +410,18 @@ class Model:
         device: Literal["cpu", "gpu", "auto"] = "cpu",
     ) -> NDArray[np.bool_]:
         """Whether points (N, 3) or (3,) are in a medium other than that of the world: bool (N,), or (...) for a grid (..., 3)."""
+
+    def regions_at(
+        self,
+        points: ArrayLike,
+        *,
+        evaluator: str | None = None,
+        threads: int | None = None,
+        device: Literal["cpu", "gpu", "auto"] = "cpu",
+    ) -> NDArray[np.int32]:
+        """The region of each point (N, 3) or (3,): int32 (N,), or (...) for a grid (..., 3). Region k + 1 is `regions[k]`, 0 is the
+        world.
+        """
 
     def occurrence_paths(
         self, occurrences: NDArray[np.integer[Any]] | Sequence[int], *, placed: bool = False
@@ -467,7 +487,9 @@ class Model:
         """The model file as text."""
 
     def __eq__(self, other: object, /) -> bool:
-        """Equal if solids, regions, media and pictures are equal, regardless of the parameters behind them."""
+        """Equal if solids, regions, media and pictures are equal, regardless of the parameters behind them. Solids to which a
+        writer gave a name, such as `_1`, count as parts of the others.
+        """
 
     def __hash__(self) -> int: ...
 
@@ -1669,8 +1691,9 @@ class Solid:
 
     @property
     def volume(self) -> float:
-        """The volume: exact for a single shape and for a mesh whose surface does not intersect itself, otherwise measured by rays within 0.1 % at a confidence of 99 %. `rayweave.measure`
-        returns the interval.
+        """The volume: exact for a single shape whose volume has a closed form and for a mesh whose surface does not intersect itself,
+        otherwise (`biconic`, `freeform`, `convex`, `quadric`, some aspheres, all expressions) measured by rays within 0.1 % at a
+        confidence of 99 %. `rayweave.measure` returns the interval.
 
         >>> import rayweave as rw
         >>> rw.box([1, 2, 3]).volume

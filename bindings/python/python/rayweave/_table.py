@@ -139,11 +139,11 @@ class Table:
             if name not in self._names:
                 table[name] = np.array(column, order="C")
                 continue
-            names = self._names_of(name)
-            if len(set(names)) == len(names):
-                table[name] = pandas.Categorical.from_codes(np.array(column), names[:-1])
-            else:
-                table[name] = np.array(names, dtype=object)[column]
+            names = self._names_of(name)[:-1]
+            # categories are unique, and two faces may have one name; the last code is that of -1
+            codes = {text: code for code, text in enumerate(dict.fromkeys(names))}
+            code = np.array([*(codes[text] for text in names), -1], dtype=np.int32)
+            table[name] = pandas.Categorical.from_codes(code[column], list(codes))
         return pandas.DataFrame(table, copy=False)
 
     def to_arrow(self) -> Any:

@@ -11,10 +11,10 @@ pub use crate::error::Cancelled;
 pub use attenuation::check_attenuations;
 pub use map::{FAINTEST, MAX_LENGTHS, ThicknessMap, transmitted};
 
+use crate::error::AnalysisError;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
-use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId};
+use rayweave_model::{BadRay, Evaluator, Query, RayAnswer, RayBatch, RegionId};
 use rayweave_shape::Ray;
-use std::convert::Infallible;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
@@ -69,48 +69,49 @@ impl PathLengths {
 
 /// Computes the path lengths of `count` rays, as whole lines, through the first `media` media.
 ///
-/// `ray` returns ray k, which must pass [`Ray::check`]. Lengths are in model units, independent of the
-/// lengths of directions.
+/// `ray` returns ray k. Lengths are in model units, independent of the lengths of directions.
 ///
 /// # Errors
 ///
-/// [`Cancelled`].
+/// [`AnalysisError::Ray`] for the first ray that does not pass [`Program::check_rays`](rayweave_model::Program::check_rays);
+/// [`AnalysisError::Cancelled`].
 pub fn path_lengths<E: Evaluator>(
     evaluator: &E,
     media: usize,
     count: usize,
     ray: impl Fn(usize) -> Ray + Sync,
     run: &mut ThicknessRun<'_>,
-) -> Result<PathLengths, Cancelled> {
+) -> Result<PathLengths, AnalysisError> {
     let media = media.max(1);
     let mut values = Vec::with_capacity(count * media);
     let tasks = (0..count).step_by(RAYS_PER_TASK).map(|first| first..count.min(first + RAYS_PER_TASK));
     let scratch = || (evaluator.scratch(), RayBatch::default());
     let work = |(scratch, batch): &mut (E::Scratch, RayBatch), range: Range<usize>| {
         batch.clear();
-        range.for_each(|k| batch.push(ray(k)));
-        let mut lengths = vec![0.0; batch.len() * media];
+        range.clone().for_each(|k| batch.push(ray(k)));
         let rays = batch.rays();
+        evaluator.program().check_rays(rays).map_err(|bad| BadRay { ray: range.start + bad.ray, ..bad })?;
+        let mut lengths = vec![0.0; batch.len() * media];
         let mut sink = |answer: RayAnswer<'_>| {
             let speed = rays.get(answer.ray).direction.length();
             let own = &mut lengths[answer.ray * media..(answer.ray + 1) * media];
             add(evaluator, &answer, speed, own);
         };
         evaluator.crossings(rays, &Query::default(), scratch, &mut sink);
-        lengths
+        Ok(lengths)
     };
     let progress = &mut run.progress;
-    let merge = |lengths: Vec<f64>| {
-        values.extend(lengths);
+    let merge = |lengths: Result<Vec<f64>, BadRay>| {
+        values.extend(lengths?);
         if let Some(progress) = progress {
             progress(values.len() / media);
         }
-        Ok::<(), Infallible>(())
+        Ok(())
     };
     drive(thread_count(run.threads), &run.cancel, tasks, scratch, work, merge).map_err(|stopped| {
         match stopped {
-            Stopped::Cancelled => Cancelled,
-            Stopped::Failed(never) => match never {},
+            Stopped::Cancelled => Cancelled.into(),
+            Stopped::Failed(bad) => AnalysisError::Ray(bad),
         }
     })?;
     Ok(PathLengths { media, values })
@@ -199,6 +200,10 @@ mod tests {
         cancel.cancel();
         let stopped =
             path_lengths(&tracer(), 3, 9, ray, &mut ThicknessRun { cancel, ..ThicknessRun::default() });
-        assert_eq!(stopped, Err(Cancelled));
+        assert!(matches!(stopped, Err(AnalysisError::Cancelled(Cancelled))));
+        // the second task begins at ray 4096
+        let far = |k: usize| Ray::new(Vec3::new(if k == 5000 { 1e18 } else { 9.0 }, 0.0, 0.0), Vec3::NEG_X);
+        let refused = path_lengths(&tracer(), 3, 9000, far, &mut ThicknessRun::default());
+        assert!(matches!(refused, Err(AnalysisError::Ray(BadRay { ray: 5000, .. }))), "{refused:?}");
     }
 }
