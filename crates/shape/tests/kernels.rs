@@ -221,6 +221,89 @@ fn tangent(surface: &Surface, ray: &Ray, rng: &mut ChaCha8Rng) -> Option<Ray> {
     Some(Ray::new(origin + off * normal, planted.direction))
 }
 
+/// Lines that are nearly inflectional tangents, found by the property test below: g is 0 or noise at the inflection, and the
+/// other crossings of the contact are 3e-3 away. The expected times are roots of the exact quartic.
+#[test]
+fn both_crossings_beside_an_inflectional_tangent_are_found() {
+    let cases = [
+        (
+            [2.5, 1.5],
+            [-1.6958730583607358, -2.2358230955051694, 1.9818146278856403],
+            [0.7921770404185092, 0.40040498702422483, -0.4605772280529095],
+            4,
+        ),
+        (
+            [3.38310263062759, 1.7296651586367482],
+            [1.3546308651913344, 1.420200917062075, 1.0814752401975762],
+            [-0.686157381025385, 0.13395022668698817, -0.7150142552676059],
+            2,
+        ),
+    ];
+    for ([major, minor], origin, direction, count) in cases {
+        let surface = Surface::torus(Vec3::ZERO, Vec3::Z, major, minor);
+        let ray = Ray::new(Vec3::from_array(origin), Vec3::from_array(direction));
+        let (got, expected) = (surface.crossings(&ray), real_roots(&surface, &ray));
+        assert_eq!([got.times().len(), expected.len()], [count, count], "{got:?}, not {expected:?}");
+        for (&got, &expected) in got.times().iter().zip(&expected) {
+            // a root moves by noise / slope, here 1e-16 / 1e-7
+            assert!((got - expected).abs() < 1e-8, "{got}, not {expected}");
+        }
+    }
+}
+
+/// Real roots along a ray at times up to 64, by Sturm's theorem.
+fn real_roots(surface: &Surface, ray: &Ray) -> Vec<f64> {
+    let chain = Sturm::new(&coefficients(surface, 0.0, ray, usize::from(surface.degree())));
+    chain.roots(-64.0, 64.0).iter().map(approximate).collect()
+}
+
+/// Lines tilted by 0 to 1e-4 from the inflectional tangents on the inner half of a torus, where the normal curvature `sin^2 a /
+/// minor + cos^2 a cos v / rho` of the direction at the angle a from the circle of latitude vanishes: sides are those of the
+/// exact quartic, except within delta of the torus.
+#[test]
+fn sides_near_inflectional_tangents_are_exact() {
+    let mut rng = rng(17);
+    let mut pairs = 0;
+    for k in 0..160 * effort() {
+        let major = rng.random_range(0.5..4.0);
+        let minor = major * rng.random_range(0.05..0.95);
+        let (sin, cos) = libm::sincos(std::f64::consts::PI * rng.random_range(0.52..1.48));
+        let (turn_sin, turn_cos) = libm::sincos(rng.random_range(0.0..std::f64::consts::TAU));
+        let (out, around) = (Vec3::new(turn_cos, turn_sin, 0.0), Vec3::new(-turn_sin, turn_cos, 0.0));
+        let rho = major + minor * cos;
+        let foot = rho * out + minor * sin * Vec3::Z;
+        let (normal, up) = (cos * out + sin * Vec3::Z, cos * Vec3::Z - sin * out);
+        let way = (around + (-cos * minor / rho).sqrt() * up).normalize();
+        for tilt in [0.0, 1e-9, 1e-8, 1e-7, 1e-6, 3e-6, 1e-5, 1e-4] {
+            let tilt = if rng.random() { tilt } else { -tilt };
+            let mut ray = Ray::new(foot, way + tilt * normal);
+            ray.origin = foot - rng.random_range(-2.0..2.0) * ray.direction;
+            let mut surface = Surface::torus(Vec3::ZERO, Vec3::Z, major, minor);
+            let mut middle = ray.closest_time(foot);
+            if k % 4 == 0 {
+                let map = Affine::scale(Vec3::new(1.0, 1.5, 0.7));
+                surface = surface.transformed(&Transform::from_affine(map).unwrap());
+                ray = Ray::new(map.point(ray.origin), map.vector(ray.direction));
+                middle = ray.closest_time(map.point(foot));
+            }
+            let got = surface.crossings(&ray);
+            // the other roots of the contact are about the square root of the tilt away
+            let reach = 8.0 * libm::sqrt(tilt.abs().max(1e-10));
+            for step in -10..=10 {
+                let t = middle + 0.1 * f64::from(step) * reach;
+                let is_inside = sign(&polynomial(&surface, 0.0, &at(&ray, &exact(t)))) < 0;
+                let is_right = got.negative_after(t) == is_inside;
+                assert!(
+                    is_right || distance(&surface, &ray, t) < 64.0 * rounding(&surface, &ray, t),
+                    "tilt {tilt}: side at {t}\n{surface:?}\n{ray:?}\n{got:?}"
+                );
+            }
+            pairs += usize::from(got.times().windows(2).any(|w| w[1] - w[0] < reach));
+        }
+    }
+    assert!(pairs > 200, "only {pairs} lines with two crossings at the contact");
+}
+
 #[test]
 fn closed_forms() {
     let along_x = |y: f64| Ray::new(Vec3::new(-10.0, y, 0.0), Vec3::new(2.0, 0.0, 0.0));

@@ -356,7 +356,8 @@ fn tori(scale: f64, dice: &mut Dice) -> Vec<Case> {
 }
 
 impl Case {
-    /// Rays in tangent planes of a torus, along its axis, along its tube, through its centre, at both sides of its hole.
+    /// Rays in tangent planes of a torus, along its axis, along its tube, through its centre, at both sides of its hole,
+    /// along its inflectional tangents.
     fn at_torus(&self, dice: &mut Dice) -> Ray {
         let (axis, major, minor) = match &self.surface {
             Surface::Torus(s) => (s.axis, s.major, s.minor),
@@ -366,7 +367,7 @@ impl Case {
         let v = axis.cross(u);
         let side = [-1.0, 1.0][dice.below(2)];
         let rho = [0.0, major - minor, major, major + minor, major + minor * dice.unit()][dice.below(5)];
-        let (from, along) = match dice.below(8) {
+        let (from, along) = match dice.below(9) {
             // in the planes that are tangent along a circle
             0 => (side * minor * axis + rho * u, v),
             // across the axis, at any height
@@ -379,6 +380,12 @@ impl Case {
             5 => (major * u + minor * dice.unit() * u, dice.vector()),
             // through the axis
             6 => (dice.unit() * self.scale * axis, dice.vector()),
+            // inflectional tangents of the inner half, where the normal curvature vanishes
+            7 => {
+                let (sin, cos) = libm::sincos((0.5 + dice.unit().abs()) * std::f64::consts::PI);
+                let squared = (-cos * minor / (major + minor * cos)).max(0.0);
+                ((major + minor * cos) * u + minor * sin * axis, v + squared.sqrt() * (cos * axis - sin * u))
+            }
             _ => return self.adversarial(dice),
         };
         let along = along.normalize() + [0.0, dice.wide(-18.0, -1.0)][dice.below(2)] * dice.vector();

@@ -3,7 +3,9 @@
 use super::*;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_model::Solid;
-use rayweave_shape::primitive::{CentredBox, Cone, Cylinder, Ellipsoid, HalfSpace, Primitive, Sphere, Torus};
+use rayweave_shape::primitive::{
+    CentredBox, Cone, Cylinder, Ellipsoid, HalfSpace, Primitive, Sphere, Torus, Wedge,
+};
 
 fn solid(primitive: impl Into<Primitive>) -> Solid {
     Solid::from(primitive.into())
@@ -100,6 +102,44 @@ fn cones_tubes_and_the_axis() {
     ];
     let in_tube = |p: Vec3| p.z.abs() < 0.5 && (1.0..2.0).contains(&p.truncate().length());
     check(&tube, |p| profile_distance(p, in_tube(p), &sides), &far);
+}
+
+/// Wedges on both sides of 180 degrees, whose wide ones are complements of two half-spaces, alone, cut to a rod, complemented,
+/// and placed: the nearest boundary point lies on one of the two half-planes, or on the rod outside them.
+#[test]
+fn wedges_of_any_sweep() {
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let sweeps = [30.0, 90.0, 180.0, 181.0, 200.0, 270.0, 330.0];
+    for (k, sweep) in sweeps.into_iter().enumerate() {
+        let start = 90.0 * f64::from(rng.random_range(-4..4)) + if k % 2 == 0 { 0.0 } else { 17.0 };
+        let sector = solid(Wedge::new(start, sweep).unwrap());
+        let angle = |p: Vec3| (libm::atan2(p.y, p.x).to_degrees() - start).rem_euclid(360.0);
+        // the angles of a point from both faces; beyond a right angle the edge is nearest
+        let from_face = |p: Vec3, away: f64| {
+            let (rho, away) = (p.truncate().length(), away.rem_euclid(360.0));
+            let away = away.min(360.0 - away);
+            if away < 90.0 { rho * libm::sin(away.to_radians()) } else { rho }
+        };
+        let distance = |p: Vec3| {
+            let least = from_face(p, angle(p)).min(from_face(p, angle(p) - sweep));
+            if angle(p) < sweep { -least } else { least }
+        };
+        let some = points(20 + k as u64, 30, 1.9);
+        check(&sector, distance, &some);
+        check(&!&sector, |p| -distance(p), &some[..10]);
+        let placed = sector.place([rayweave_math::Affine::translate(Vec3::X)]);
+        check(&placed, |p| distance(p - Vec3::X), &some[..10]);
+        // inside, the rod's boundary may be nearer
+        let cut = &sector & &rod(2.0, 2.0);
+        let inside: Vec<Vec3> = some
+            .iter()
+            .copied()
+            .filter(|p| angle(*p) < sweep && p.truncate().length() < 2.0 && p.z.abs() < 1.0)
+            .collect();
+        let in_rod = |p: Vec3| (p.truncate().length() - 2.0).max(p.z.abs() - 1.0);
+        let side_is_within = |p: Vec3| distance(p).max(in_rod(p));
+        check(&cut, side_is_within, &inside);
+    }
 }
 
 /// A shell, a lens, and a drilled ball: surfaces that meet in circles, inner boundaries, and faces inside a union.

@@ -301,7 +301,10 @@ impl Builder<'_> {
         Some(prototype.expression.outputs().iter().map(|&edge| linked(&links, edge)).collect())
     }
 
-    /// The conjunction of the facets of a leaf, or its complement. `numbers` has the nodes of surfaces of the group.
+    /// The conjunction of the facets of a leaf. `numbers` has the nodes of surfaces of the group.
+    ///
+    /// A leaf that is the complement of this conjunction, such as a wedge of more than 180 degrees, is complemented by the
+    /// edges of the group's expression, so its flag is not read here.
     fn shape(
         &mut self,
         leaf: &Leaf<'_>,
@@ -322,8 +325,7 @@ impl Builder<'_> {
             });
             sides.push(node.complement_if(!facet.inside()));
         }
-        let all = self.tree.join(Rule::AtLeast(sides.len() as u32), &sides);
-        all.complement_if(leaf.is_complement())
+        self.tree.join(Rule::AtLeast(sides.len() as u32), &sides)
     }
 }
 

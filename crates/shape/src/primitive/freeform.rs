@@ -19,7 +19,8 @@
 //! `norm_radius`) of R. J. Noll, J. Opt. Soc. Am. 66 (1976) 207. Both kinds may be combined, up to degree 30. The
 //! base must not end within the aperture. No crossing within the aperture is missed.
 //!
-//! The bounding box exceeds the smallest one by a fraction of the surface's depth.
+//! For a level base the bounding box exceeds the smallest one by at most 2 % of the surface's depth. Where a curved base and
+//! the terms partly cancel each other, it may exceed it by the smaller of their depths as well.
 
 use super::sag::{above, checked};
 use super::shape::between;

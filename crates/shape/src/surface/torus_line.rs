@@ -304,7 +304,9 @@ impl TorusLine {
             if between && self.is_certain(&jet, step, least) {
                 return near;
             }
-            if jet.value.abs() <= UNIT_ROUNDOFF * least || (near - s).abs() <= UNIT_ROUNDOFF * s.abs() {
+            let is_small =
+                jet.value.abs() <= UNIT_ROUNDOFF * least || (near - s).abs() <= UNIT_ROUNDOFF * s.abs();
+            if is_small && !recedes(&jet, starts_negative) {
                 // if slope and curvature vanish too, the parabola is noise and its root may be anywhere
                 let polished = between && (near - s).abs() <= POLISH;
                 return if polished { near } else { s };
@@ -336,6 +338,17 @@ impl TorusLine {
 /// `s` if it is strictly between the bounds, else the midpoint.
 fn within(lo: f64, hi: f64, s: f64) -> f64 {
     if lo < s && s < hi { s } else { 0.5 * lo + 0.5 * hi }
+}
+
+/// True if g grows from negative to positive values in a bracket but falls at a point of it, or the opposite.
+///
+/// On a piece, g is convex or concave, so it has its only extremum between such a point and the sign change: the point is not
+/// the sign change, however small g is there. This occurs at an inflection near which the line is almost tangent, with contact
+/// of third order: g is about `c s (s^2 - w^2)` about it, below its noise at s = 0, with sign changes at +-w as well. For a
+/// slope `c w^2` above its noise u the extremum between is up to `u^1.5` high; lines with smaller slopes have nothing to lose.
+/// The root of the parabola at such a point is outside the bracket, so the next step is a bisection. An unknown slope is none.
+fn recedes(jet: &Jet, starts_negative: bool) -> bool {
+    if starts_negative { jet.slope < 0.0 } else { jet.slope > 0.0 }
 }
 
 /// Root of `value + 2 slope x + curvature x^2` nearest to 0; NaN if there is none.

@@ -1,5 +1,6 @@
 //! Sag surfaces against exact arithmetic (Sturm's theorem along the ray), against quadrics, and against signs at points.
 
+mod heights;
 #[path = "../oracle/mod.rs"]
 mod oracle;
 mod steep;

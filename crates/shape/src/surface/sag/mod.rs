@@ -120,7 +120,11 @@ impl Sag {
         self.profile.aperture
     }
 
-    /// Bounds of z over the whole surface: close to its lowest and highest points, unless large terms cancel each other.
+    /// Bounds of z over the whole surface.
+    ///
+    /// For a level base they exceed the lowest and highest points by at most 2 % of the depth of the terms in r, plus 2 % of the
+    /// depth of the terms in x and y. Where these two kinds or the base cancel each other, they may exceed them by the smaller
+    /// of the depths as well.
     pub fn heights(&self) -> [f64; 2] {
         [self.low, self.high]
     }
@@ -190,6 +194,7 @@ const TILES: u32 = 12;
 fn round_extent(profile: &Profile) -> ([f64; 2], f64) {
     let radius = profile.aperture;
     let along = Along::new(profile, [0.0, 1.0], [0.0, 0.0]);
+    let terms = profile.sum_of_terms();
     let (mut heights, mut steepest) = ([f64::INFINITY, f64::NEG_INFINITY], 0.0f64);
     for k in 0..PIECES {
         let place = |k: u32| radius * f64::from(k) / f64::from(PIECES);
@@ -200,7 +205,8 @@ fn round_extent(profile: &Profile) -> ([f64; 2], f64) {
         // near the tip of an odd term only the bounds of the slope are finite
         let steep = (slope.abs() + change).min(along.slopes(from, to).magnitude());
         let steep = if steep.is_nan() { f64::INFINITY } else { steep };
-        let natural = profile.ranges(Interval::new(from, to), Interval::point(0.0))[0];
+        let (x, y) = (Interval::new(from, to), Interval::point(0.0));
+        let natural = profile.ranges(x, y)[0].narrowed(profile.base_range(x, y) + terms);
         let value = match slope.abs() > change {
             // monotone: the extremes are at the ends
             true => hull(Interval::point(along.at(from).0), Interval::point(along.at(to).0)),
@@ -216,6 +222,7 @@ fn round_extent(profile: &Profile) -> ([f64; 2], f64) {
 fn extent(profile: &Profile) -> ([f64; 2], f64) {
     let radius = profile.aperture;
     let place = |k: u32| radius * (2.0 * f64::from(k) / f64::from(TILES) - 1.0);
+    let terms = profile.sum_of_terms();
     let (mut heights, mut steepest) = ([f64::INFINITY, f64::NEG_INFINITY], 0.0f64);
     for (i, j) in (0..TILES).flat_map(|i| (0..TILES).map(move |j| (i, j))) {
         let [x, y] = [i, j].map(|k| Interval::new(place(k), place(k + 1)));
@@ -225,7 +232,8 @@ fn extent(profile: &Profile) -> ([f64; 2], f64) {
         let [natural, by_x, by_y] = profile.ranges(x, y);
         let steep = length(by_x, by_y);
         let steep = if steep.is_nan() { f64::INFINITY } else { steep };
-        heights = [heights[0].min(natural.lo), heights[1].max(natural.hi)];
+        let value = natural.narrowed(profile.base_range(x, y) + terms);
+        heights = [heights[0].min(value.lo), heights[1].max(value.hi)];
         steepest = steepest.max(steep);
     }
     (heights, steepest)
