@@ -317,8 +317,9 @@ class FirstOrder:
         """By value; NaN equals NaN."""
         if not isinstance(other, FirstOrder):
             return NotImplemented
-        values = [[_flat(getattr(data, field.name)) for field in fields(data)] for data in (self, other)]
-        return self.unit == other.unit and all(np.array_equal(*both, equal_nan=True) for both in zip(*values, strict=True))
+        mine, others = ([_flat(getattr(data, field.name)) for field in fields(data)] for data in (self, other))
+        are_equal = all(np.array_equal(one, two, equal_nan=True) for one, two in zip(mine, others, strict=True))
+        return self.unit == other.unit and are_equal
 
     def __hash__(self) -> int:
         # 0 and -0 are equal
@@ -1093,11 +1094,13 @@ class Prescription:
         """The modulation of a lens without aberrations on the axis at a wavelength, or the weighted mean over all of them:
         the transfer functions of a lens in focus are positive and add."""
         lines = self._compiled.frame()["lines"] if wavelength_nm is None else [(wavelength_nm, 1.0)]
-        cutoffs = [self._cutoff(nm) for nm, _ in lines]
-        weights = np.array([weight for _, weight in lines])
-        # without an aperture at the image there is no modulation, except at 0
-        limits = np.stack([diffraction_limit(frequencies / cutoff if cutoff > 0.0 else (frequencies > 0.0) * 1.0) for cutoff in cutoffs])
-        return np.asarray(weights @ limits / weights.sum())
+        found = np.zeros(len(frequencies))
+        for nm, weight in lines:
+            cutoff = self._cutoff(nm)
+            # without an aperture at the image there is no modulation, except at 0
+            share = frequencies / cutoff if cutoff > 0.0 else np.where(frequencies > 0.0, 1.0, 0.0)
+            found += weight * diffraction_limit(np.asarray(share, float))
+        return np.asarray(found / sum(weight for _, weight in lines))
 
     def _aperture_at_image(self, first_order: FirstOrder, pupil: Pupil) -> float:
         """The paraxial numerical aperture: the index times the slope of the marginal ray behind the last surface."""

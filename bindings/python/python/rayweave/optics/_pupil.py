@@ -142,7 +142,7 @@ class PupilMeans:
         along = along - self._mean(along)
         # one frequency at a time: a table of all of them would be large
         sums = [self._mean(np.exp(2.0j * np.pi * frequency * along)) for frequency in frequencies.tolist()]
-        return np.abs(np.array(sums))
+        return np.asarray(np.abs(sums), float)
 
     def _mean(self, values: NDArray[Any]) -> NDArray[Any]:
         total = float(self.weights.sum())
