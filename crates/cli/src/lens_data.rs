@@ -91,24 +91,26 @@ fn distortion(lens: &Prescription, field: usize) -> Option<f64> {
     relative.is_finite().then_some(relative)
 }
 
-/// The surfaces of a lens as a table. `semi_diameters` are the clear ones, the last that of the image.
+/// The surfaces of a lens as a table. `semi_diameters` are the clear ones; there are none for a lens without solids.
 pub fn prescription_text(lens: &Prescription, semi_diameters: &[f64], unit: &str) -> String {
     let number = |value: f64| if value.is_finite() { short(rounded(value, 8)) } else { "inf".to_owned() };
     let size = |place: usize| semi_diameters.get(place).map_or("-".to_owned(), |&r| short(rounded(r, 5)));
-    let row = |place: usize, name: String, surface: &Surface, remarks: String| {
+    let row = |name: String, surface: &Surface, size: String, remarks: String| {
         let behind = if name == "image" { String::new() } else { behind_text(&surface.behind) };
         let thickness = if name == "image" { String::new() } else { number(surface.thickness) };
         let conic = if surface.conic == 0.0 { String::new() } else { short(surface.conic) };
-        vec![name, number(surface.radius), thickness, behind, size(place), conic, remarks]
+        vec![name, number(surface.radius), thickness, behind, size, conic, remarks]
     };
     let mut rows: Vec<Vec<String>> = Vec::new();
     for (place, surface) in lens.surfaces.iter().enumerate() {
         let remarks = remarks(lens, place + 1, surface).join(", ");
-        rows.push(row(place, (place + 1).to_string(), surface, remarks));
+        rows.push(row((place + 1).to_string(), surface, size(place), remarks));
     }
     let image = Surface::new(lens.image.radius, 0.0, Behind::Air).conic(lens.image.conic);
-    let count = lens.surfaces.len();
-    rows.push(row(count, "image".to_owned(), &image, remarks(lens, count + 1, &image).join(", ")));
+    let last = remarks(lens, lens.surfaces.len() + 1, &image).join(", ");
+    // the image of the solids is wider than its light, so that it catches stray light
+    let stated = lens.image.semi_diameter.map_or(String::new(), |r| short(rounded(r, 5)));
+    rows.push(row("image".to_owned(), &image, stated, last));
     let lengths = ["radius", "thickness", "semi-diameter"].map(|what| format!("{what} / {unit}"));
     let [radius, thickness, semi_diameter] = lengths.each_ref().map(String::as_str);
     let head = ["surface", radius, thickness, "behind", semi_diameter, "conic", "remarks"];
