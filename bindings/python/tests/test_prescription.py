@@ -171,6 +171,7 @@ def test_the_rms_of_a_wavefront_is_a_mean_over_the_pupil() -> None:
             front = lens.wavefront(field, across=across)
             assert front.rms == pytest.approx(rms, rel=1e-8)
             assert front.strehl == pytest.approx(math.exp(-((2 * math.pi * rms) ** 2)), rel=1e-6)
+        assert pickle.loads(pickle.dumps(front)).rms == front.rms
         aim = optics.goal("wavefront", field=field, wavelength_nm=550)
         assert optics.optimise(lens, ["thickness 6"], [aim]).before == pytest.approx(rms, rel=1e-8)
     # the points of a grid, and given points, count equally

@@ -100,8 +100,10 @@ fn source(
     for &nm in lines {
         for light in rays(lens, field, nm, points)? {
             let (origin, direction) = (light.ray.origin, light.ray.direction);
-            let on = front.map_or(0.0, |z| (z - origin.z) / direction.z);
-            origins.push(origin + if on.is_finite() { on } else { 0.0 } * direction);
+            let step = front.map_or(0.0, |z| (z - origin.z) / direction.z);
+            // a ray across the axis never gets there
+            let step = if step.is_finite() { step } else { 0.0 };
+            origins.push(origin + step * direction);
             directions.push(direction);
             wavelengths.push(nm);
         }

@@ -394,6 +394,10 @@ class Wavefront(Columns):
             self._rms = float(self["waves"].std()) if self._find_rms is None else self._find_rms()
         return self._rms
 
+    def __getstate__(self) -> dict[str, Any]:
+        # the function that finds the RMS cannot be pickled
+        return {**self.__dict__, "_find_rms": None, **({} if self._find_rms is None else {"_rms": self.rms})}
+
     @property
     def peak_to_valley(self) -> float:
         """The largest minus the smallest difference among the points, in waves."""
