@@ -31,6 +31,8 @@ pub struct Bench {
     pub sequence: Vec<usize>,
     /// The coordinates of the fields of a lens file, one for each source; empty for other models.
     pub fields: Vec<String>,
+    /// The prescription of a lens file.
+    pub lens: Option<Box<Prescription>>,
 }
 
 /// True if a path has the extension of a lens file.
@@ -38,8 +40,8 @@ pub fn is_one(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zmx"))
 }
 
-/// Reads a lens file; ignored entries are reported on standard error.
-pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
+/// Reads a lens file; ignored and replaced entries are reported on standard error.
+pub fn read(model: &ModelArguments) -> Result<Prescription, Failure> {
     let path = &model.model;
     if let Some((name, _)) = model.definitions.first() {
         let problem = format!("--define {name}: a lens file has no parameters");
@@ -48,30 +50,59 @@ pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
     let name = path.display();
     let bytes =
         read_bytes(path).map_err(|reason| Failure::Input(format!("{name}: cannot be read: {reason}.")))?;
-    let wrong = |error: &dyn std::error::Error| {
-        let lines: Vec<String> = error.to_string().lines().map(|line| format!("{name}: {line}")).collect();
-        Failure::Input(lines.join("\nerror: "))
-    };
-    let read = read_zmx(&bytes).map_err(|error| wrong(&error))?;
+    let read = read_zmx(&bytes).map_err(|error| wrong(model, &error))?;
     if let (true, Some(note)) = (model.strict, read.notes.first()) {
         return Err(Failure::Input(format!("{name}: {note}")));
     }
     for note in &read.notes {
         terminal::caution(&format!("{name}: {note}"));
     }
-    let lens = read.prescription;
+    Ok(read.prescription)
+}
+
+/// The failure of an error about a lens file, line by line.
+pub fn wrong(model: &ModelArguments, error: &dyn std::error::Error) -> Failure {
+    let name = model.model.display();
+    let lines: Vec<String> = error.to_string().lines().map(|line| format!("{name}: {line}")).collect();
+    Failure::Input(lines.join("\nerror: "))
+}
+
+/// The solids of a lens file with the light of its fields.
+pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
+    let lens = read(model)?;
+    let wrong = |error: &dyn std::error::Error| wrong(model, error);
     let layout = lens.assembly().map_err(|error| wrong(&error))?;
     let (assembly, sequence) = (layout.assembly, layout.sequence);
-    let sources = (0..lens.fields.len()).map(|field| source(&lens, field, &name.to_string()));
+    let name = model.model.display().to_string();
+    let sources = (0..lens.fields.len()).map(|field| source(&lens, field, &name));
     let sources = sources.collect::<Result<Vec<_>, _>>().map_err(|error| wrong(error.as_ref()))?;
-    let near = |unit: &&Unit| (1e9 * unit.metres() / lens.unit_nm - 1.0).abs() < 1e-9;
-    let units = Unit::ALL.map(|(unit, ..)| unit);
-    let unit = units.iter().find(near).map_or("", |unit| unit.symbol());
     let rays = (PupilQuadrature::gaussian(RINGS).points.len() * lens.lines.len()) as f64;
     let settings = TraceSettings { threshold: FAINTEST / rays, ..TraceSettings::default() };
     let optics = OpticalScene { assembly, sources: Sources::new(sources), settings };
-    let fields = lens.fields.iter().map(|&place| field_text(lens.field_kind, place, unit)).collect();
-    Ok(Bench { optics, unit, image: Some(IMAGE), sequence, fields })
+    let (unit, fields) = (unit(&lens), field_texts(&lens));
+    Ok(Bench { optics, unit, image: Some(IMAGE), sequence, fields, lens: Some(Box::new(lens)) })
+}
+
+/// The symbol of the unit of length of a lens; empty for an unusual one.
+pub fn unit(lens: &Prescription) -> &'static str {
+    let near = |unit: &&Unit| (1e9 * unit.metres() / lens.unit_nm - 1.0).abs() < 1e-9;
+    let units = Unit::ALL.map(|(unit, ..)| unit);
+    units.iter().find(near).map_or("", |unit| unit.symbol())
+}
+
+/// The coordinates of the fields of a lens.
+pub fn field_texts(lens: &Prescription) -> Vec<String> {
+    lens.fields.iter().map(|&place| field_text(lens.field_kind, place, unit(lens))).collect()
+}
+
+/// The fields of a lens for legends: a number for a field along y.
+pub fn field_names(lens: &Prescription) -> Vec<String> {
+    let name = |&[x, y]: &[f64; 2]| match (x == 0.0, lens.field_kind) {
+        (true, FieldKind::Angle) => format!("{}\u{b0}", short(y)),
+        (true, _) => format!("{} {}", short(y), unit(lens)),
+        (false, kind) => field_text(kind, [x, y], unit(lens)),
+    };
+    lens.fields.iter().map(name).collect()
 }
 
 /// The coordinates of a field with their unit.

@@ -9,6 +9,8 @@ mod drawing;
 mod failure;
 mod interrupt;
 mod interval;
+mod lens_data;
+mod lens_drawing;
 mod lens_file;
 mod photon_report;
 mod terminal;

@@ -1,8 +1,10 @@
 //! `rayweave info`: the contents of a model.
 
-use crate::arguments::ModelArguments;
+use crate::arguments::{ModelArguments, lens_or_model_help};
 use crate::command::tree;
 use crate::failure::Failure;
+use crate::lens_data::{LensData, prescription_json, prescription_text};
+use crate::lens_file;
 use crate::terminal;
 use clap::Args;
 use rayweave::formats::{Format, MeshFile};
@@ -18,7 +20,10 @@ use std::collections::HashSet;
 ///
 /// A mesh file (STL, OBJ, PLY, OFF, 3MF, glTF) need not be closed. The table of its meshes contains the numbers of triangles, shells and
 /// open edges, the area, and the exact volume, if the mesh is closed and its surface does not intersect itself.
+///
+/// Of a sequential Zemax lens file (.zmx), the surfaces, fields and first-order data are printed.
 #[derive(Args)]
+#[command(mut_arg("model", |model| model.help(lens_or_model_help())))]
 pub struct Info {
     #[command(flatten)]
     model: ModelArguments,
@@ -42,6 +47,9 @@ pub struct Info {
 
 impl Info {
     pub fn run(&self) -> Result<(), Failure> {
+        if self.model.format.is_none() && lens_file::is_one(&self.model.model) {
+            return self.lens();
+        }
         let meshes = self.meshes()?;
         let scene = match (self.model.import_scene(), &meshes) {
             // an open mesh is no model, but its triangles can be described
@@ -85,6 +93,43 @@ impl Info {
         // the system frees the memory of a large model faster than its destructors do
         std::mem::forget(scene);
         printed
+    }
+
+    /// Prints the prescription of a lens file.
+    fn lens(&self) -> Result<(), Failure> {
+        if self.explain {
+            let problem = "--explain: a lens file is a list of surfaces, not a tree of solids.";
+            return Err(Failure::Usage(format!("{problem} Leave the option out.")));
+        }
+        let lens = lens_file::read(&self.model)?;
+        let (unit, fields) = (lens_file::unit(&lens), lens_file::field_texts(&lens));
+        let data = LensData::new(&lens, &fields, unit);
+        let data = data.map_err(|error| lens_file::wrong(&self.model, &error))?;
+        // a lens without solids has a prescription, too
+        let sizes = lens.assembly().map(|layout| layout.semi_diameters);
+        let sizes = sizes.unwrap_or_else(|error| {
+            terminal::caution(&format!("{}: {error}", self.model.name()));
+            Vec::new()
+        });
+        let lines: Vec<f64> = lens.lines.iter().map(|line| line.wavelength_nm).collect();
+        if self.json {
+            let json = json!({
+                "model": self.model.name(),
+                "name": lens.name,
+                "unit": unit,
+                "surfaces": prescription_json(&lens, &sizes),
+                "fields": lens.fields,
+                "wavelengths_nm": lines,
+                "first_order": data.json(),
+            });
+            return terminal::print(&format!("{json:#}\n"));
+        }
+        let name = if lens.name.is_empty() { String::new() } else { format!(" {},", lens.name) };
+        let mut text = format!("{}:{name} lengths in {unit}\n\n", self.model.name());
+        text += &prescription_text(&lens, &sizes, unit);
+        let lines: Vec<String> = lines.into_iter().map(terminal::short).collect();
+        text += &format!("\nfields       {}\nwavelengths  {} nm\n\n", fields.join(", "), lines.join(", "));
+        terminal::print(&(text + &data.text()))
     }
 
     /// The meshes of a mesh file; `None` for models of other formats and for standard input.

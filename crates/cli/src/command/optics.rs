@@ -4,11 +4,14 @@ use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, debug_has
 use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::lens_data::LensData;
+use crate::lens_drawing::{LensDrawing, Wishes};
 use crate::lens_file::{self, Bench};
 use crate::terminal::{self, Unit, short};
 use clap::{Args, ValueEnum};
 use rayweave::detector::{Detector, Detectors, SpotDiagram, irradiance_svg, spot_svg, spots_svg};
 use rayweave::layout::{LayoutOptions, LayoutPlane, OpticalLayout, RayColour};
+use rayweave::lens::prescription::Prescription;
 use rayweave::optics::file::{OpticalScene, optics_of};
 use rayweave::optics::table::{LightSummary, SegmentFile, trace_light, write_paths};
 use rayweave::optics::{Balance, Branches, Paths, Segments, System, Tracer};
@@ -25,6 +28,10 @@ use std::path::{Path, PathBuf};
 /// rings through the entrance pupil, with a total power of 1, as weights of Gaussian quadrature over the area of the pupil:
 /// RMS radii are exact to many digits for a clear pupil, and to about 1 % where half of the pupil is vignetted. Ghost
 /// reflections are followed down to a millionth of a ray. The image does not absorb: light that passes through it escapes.
+///
+/// The report begins with the first-order data of the lens and the distortion of its outermost field; --json also has the RMS radius
+/// at each wavelength. --layout draws rays of each field, evenly spaced in the pupil at the primary wavelength, up to the image;
+/// with --colour wavelength, at all wavelengths.
 ///
 /// In other models the [optics] tables describe the sources, the media, the effect of faces and sheets on light, and the tracing.
 /// The summary lists the power absorbed by each element and, for each sheet, the number of rays, their centroid in the sheet's
@@ -65,13 +72,13 @@ pub struct Optics {
     #[arg(long, value_name = "PLANE", requires = "layout")]
     plane: Option<LayoutPlane>,
 
-    /// Approximate number of rays in the drawing
-    #[arg(long, value_name = "N", requires = "layout", default_value_t = LayoutOptions::default().rays)]
-    rays: usize,
+    /// Approximate number of rays in the drawing [default: 5 for each field of a lens file, else 27]
+    #[arg(long, value_name = "N", requires = "layout")]
+    rays: Option<usize>,
 
-    /// Meaning of the colours of the rays
-    #[arg(long, value_name = "WHAT", requires = "layout", default_value = "wavelength")]
-    colour: Colours,
+    /// Meaning of the colours of the rays [default: the source of a lens file, which is its field, else the wavelength]
+    #[arg(long, value_name = "WHAT", requires = "layout")]
+    colour: Option<Colours>,
 
     /// Spot diagram, .svg, .pdf, .png or .jpg: the points where light crosses a sheet; for a lens file, one diagram per field
     #[arg(long, value_name = "DRAWING")]
@@ -136,7 +143,7 @@ impl From<Ways> for Branches {
 enum Colours {
     /// The visible colour of the wavelength
     Wavelength,
-    /// A colour for each source
+    /// A colour for each source: for each field of a lens file
     Source,
 }
 
@@ -154,7 +161,10 @@ impl Optics {
         let is_piped = self.is_piped()?;
         let drawings = [&self.layout, &self.spot, &self.map];
         drawings.into_iter().flatten().try_for_each(|path| drawing::check(path))?;
-        let Bench { optics, unit, image, sequence, fields } = self.bench()?;
+        let Bench { optics, unit, image, sequence, fields, lens } = self.bench()?;
+        let lens = lens.as_deref();
+        let data = lens.map(|lens| LensData::new(lens, &fields, unit)).transpose();
+        let data = data.map_err(|error| lens_file::wrong(&self.model, &error))?;
         let optics = self.resolved(global, optics)?;
         let system = optics.assembly.compile()?;
         let part = self.part(&optics, &system)?;
@@ -165,16 +175,30 @@ impl Optics {
         let mut detectors =
             Detectors::new(&system, self.map.is_some()).by_source(fields.len()).in_sequence(&sequence);
         let detector = self.detector(&detectors, image)?;
+        let lines = lens.filter(|_| self.json).map_or(&[][..], |lens| &lens.lines);
+        let mut by_line: Vec<(f64, Detectors)> = lines
+            .iter()
+            .map(|line| (line.wavelength_nm, detectors.clone().of_wavelength(line.wavelength_nm)))
+            .collect();
         let mut paths = self.paths.is_some().then(Paths::default);
-        let summary =
-            self.trace(global, (&optics, part.as_ref()), &system, unit, (&mut detectors, &mut paths))?;
-        self.draw_layout(&optics, &system, &sequence, unit)?;
+        let add = |segments: &Segments| {
+            detectors.add(segments);
+            by_line.iter_mut().for_each(|(_, own)| own.add(segments));
+            if let Some(paths) = &mut paths {
+                paths.add(segments);
+            }
+        };
+        let summary = self.trace(global, (&optics, part.as_ref()), &system, unit, add)?;
+        match lens {
+            Some(lens) => self.draw_lens(&optics, lens, unit)?,
+            None => self.draw_layout(&optics, &system, unit)?,
+        }
         let drawn = self.drawn(&detectors, detector, &summary.balance)?;
         self.draw_detector(drawn, &fields, unit)?;
         self.write_paths(paths.as_ref(), &system, &summary.balance)?;
         let image = image.and_then(|name| detectors.list().iter().position(|own| own.name == name));
-        let report =
-            Report { name: self.model.name(), unit, system: &system, summary, detectors, fields, image };
+        let name = self.model.name();
+        let report = Report { name, unit, system: &system, summary, detectors, by_line, fields, image, data };
         match self.json {
             true => terminal::print(&format!("{:#}\n", report.as_json())),
             false if global.quiet || is_piped => Ok(()),
@@ -192,7 +216,8 @@ impl Optics {
         if optics.sources.count() == 0 {
             return Err(no_source(&document).into());
         }
-        Ok(Bench { optics, unit: scene.unit.symbol(), image: None, sequence: Vec::new(), fields: Vec::new() })
+        let unit = scene.unit.symbol();
+        Ok(Bench { optics, unit, image: None, sequence: Vec::new(), fields: Vec::new(), lens: None })
     }
 
     /// Whether standard output carries a file instead of the summary; at most one file can.
@@ -248,18 +273,47 @@ impl Optics {
         Ok(self.part.part("optics segments", settings, optics.sources.count()))
     }
 
-    /// Draws the layout; that of a lens file only with rays that pass its surfaces in order.
-    fn draw_layout(
-        &self,
-        optics: &OpticalScene,
-        system: &System,
-        sequence: &[usize],
-        unit: &str,
-    ) -> Result<(), Failure> {
+    /// Draws the layout of a model.
+    fn draw_layout(&self, optics: &OpticalScene, system: &System, unit: &str) -> Result<(), Failure> {
         let Some(path) = &self.layout else { return Ok(()) };
-        let options = LayoutOptions { plane: self.plane, rays: self.rays, colour: self.colour.into() };
-        let (light, settings) = (&optics.sources, &optics.settings);
-        let layout = OpticalLayout::new_in_order(system, sequence, light, settings, &options, Packets::new)?;
+        let defaults = LayoutOptions::default();
+        let options = LayoutOptions {
+            plane: self.plane,
+            rays: self.rays.unwrap_or(defaults.rays),
+            colour: self.colour.map_or(defaults.colour, RayColour::from),
+        };
+        let layout = OpticalLayout::new(system, &optics.sources, &optics.settings, &options, Packets::new)?;
+        drawing::save(path, &layout.to_svg(&self.model.name(), unit), &self.model.name())
+    }
+
+    /// Draws the layout of a lens file: rays evenly spaced in the pupil that pass the surfaces in order.
+    fn draw_lens(&self, optics: &OpticalScene, lens: &Prescription, unit: &str) -> Result<(), Failure> {
+        let Some(path) = &self.layout else { return Ok(()) };
+        let colour = self.colour.map_or(RayColour::Source, RayColour::from);
+        let plane = self.plane.unwrap_or(LayoutPlane::X(0.0));
+        let wishes = Wishes {
+            rays: self.rays,
+            is_along_x: matches!(plane, LayoutPlane::Y(_)),
+            has_all_wavelengths: colour == RayColour::Wavelength,
+        };
+        let drawn = LensDrawing::new(lens, wishes);
+        let LensDrawing { system, sequence, light, stop } =
+            drawn.map_err(|error| lens_file::wrong(&self.model, error.as_ref()))?;
+        // all rays of the drawing
+        let rays = usize::try_from(light.count()).unwrap_or(usize::MAX);
+        let options = LayoutOptions { plane: Some(plane), rays, colour };
+        let settings = &optics.settings;
+        let mut layout =
+            OpticalLayout::new_in_order(&system, &sequence, &light, settings, &options, Packets::new)?
+                .with_source_names(
+                    lens_file::field_names(lens).into_iter().map(|name| format!("field {name}")),
+                );
+        if let Some(&image) = sequence.last() {
+            layout = layout.ending_at(image);
+        }
+        if !matches!(plane, LayoutPlane::Z(_)) {
+            layout = layout.with_stop(stop);
+        }
         drawing::save(path, &layout.to_svg(&self.model.name(), unit), &self.model.name())
     }
 
@@ -334,16 +388,13 @@ impl Optics {
         (optics, part): (&OpticalScene, Option<&Part>),
         system: &System,
         unit: &str,
-        (detectors, paths): (&mut Detectors, &mut Option<Paths>),
+        mut add: impl FnMut(&Segments),
     ) -> Result<LightSummary, Failure> {
         let bar = terminal::progress_bar(Some(optics.sources.count()), Unit::Percent, global.quiet);
         let tracer = Tracer::new(system, Packets::new);
         let out = self.out.as_deref().map(|path| SegmentFile { path, unit, phases: self.phases, part });
         let write = |segments: &Segments| {
-            detectors.add(segments);
-            if let Some(paths) = paths {
-                paths.add(segments);
-            }
+            add(segments);
             bar.set_position(segments.id.iter().max().map_or(0, |&last| last as u64 + 1));
         };
         let traced = trace_light(&tracer, system, &optics.sources, &optics.settings, out, write);
@@ -394,16 +445,21 @@ struct Report<'a> {
     system: &'a System,
     summary: LightSummary,
     detectors: Detectors,
+    /// The light of each wavelength of a lens, for JSON.
+    by_line: Vec<(f64, Detectors)>,
     /// The fields of a lens.
     fields: Vec<String>,
     /// The number of the detector at the image of a lens.
     image: Option<usize>,
+    /// The first-order data of a lens.
+    data: Option<LensData>,
 }
 
 impl Report<'_> {
     fn as_text(&self) -> String {
         let LightSummary { rays, segments, balance } = &self.summary;
         let mut text = format!("{}: {rays} rays, {segments} segments\n\n", self.name);
+        text += &self.data.as_ref().map(|data| data.text() + "\n").unwrap_or_default();
         let elements = self.system.element_names().iter().zip(&balance.absorbed);
         let mut rows = vec![("emitted".to_owned(), balance.emitted)];
         rows.extend(elements.map(|(name, power)| (format!("absorbed by {name}"), *power)));
@@ -478,18 +534,27 @@ impl Report<'_> {
                 "rms_radius": (is_lit && has_radius).then(|| spots.rms_radius()),
             })
         };
-        let sheet = |detector: &Detector| {
+        let sheet = |(number, detector): (usize, &Detector)| {
             let mut entry = spot(&detector.spots, self.is_one_spot(detector));
             entry["sheet"] = json!(detector.name);
             if !self.fields.is_empty() {
-                let fields = detector.by_source.iter().map(|spots| spot(spots, true));
-                entry["fields"] = fields.collect();
+                let field = |(field, spots): (usize, &SpotDiagram)| {
+                    let mut entry = spot(spots, true);
+                    let line = |(nm, own): &(f64, Detectors)| {
+                        let mut entry = spot(&own.list()[number].by_source[field], true);
+                        entry["wavelength_nm"] = json!(nm);
+                        entry
+                    };
+                    entry["wavelengths"] = self.by_line.iter().map(line).collect();
+                    entry
+                };
+                entry["fields"] = detector.by_source.iter().enumerate().map(field).collect();
                 let (hits, power) = stray(detector);
                 entry["stray"] = json!({ "hits": hits, "power": power });
             }
             entry
         };
-        json!({
+        let mut json = json!({
             "model": self.name,
             "unit": self.unit,
             "rays": rays,
@@ -500,7 +565,11 @@ impl Report<'_> {
             "escaped": balance.escaped,
             "dropped": balance.dropped,
             "error": balance.error(),
-            "sheets": self.detectors.list().iter().map(sheet).collect::<Vec<_>>(),
-        })
+            "sheets": self.detectors.list().iter().enumerate().map(sheet).collect::<Vec<_>>(),
+        });
+        if let Some(data) = &self.data {
+            json["first_order"] = data.json();
+        }
+        json
     }
 }

@@ -374,6 +374,129 @@ fn a_lens_file() {
     assert!(bench.fails(2, &["optics", "lens.ZMX", "-D", "a=3"]).contains("a lens file has no parameters"));
 }
 
+/// The plano-convex lens of a file, 3 mm thick and 50 mm in radius: f = R / (n - 1), and the back focal point is t / n nearer
+/// to the lens than that (E. Hecht, Optics, section 6.1).
+#[test]
+fn first_order_data_of_a_lens_file() {
+    let bench = Bench::new();
+    let lines = "WAVM 1 0.4861327 1\nWAVM 2 0.5875618 2\nWAVM 3 0.6562725 1\nPWAV 2\n";
+    let file = format!(
+        "NAME single\nUNIT MM\nENPD 2\nYFLN 0 5\n{lines}SURF 0\n DISZ INFINITY\nSURF 1\n STOP\n CURV 0.02\n DISZ 3\n GLAS N-BK7\n\
+         SURF 2\n DISZ 94.775\nSURF 3\n"
+    );
+    bench.write("lens.zmx", &file);
+    // Schott's data sheet
+    let n = 1.51680;
+    let (focal, back) = (50.0 / (n - 1.0), 50.0 / (n - 1.0) - 3.0 / n);
+    for command in ["optics", "info"] {
+        let said = bench.says(&[command, "lens.zmx"]);
+        let value = |what: &str| -> f64 {
+            let line =
+                said.lines().find(|line| line.starts_with(what)).unwrap_or_else(|| panic!("{what}: {said}"));
+            line[what.len()..].split_whitespace().next().unwrap().parse().unwrap()
+        };
+        assert!((value("focal length") / focal - 1.0).abs() < 2e-5, "{said}");
+        assert!((value("back focal distance") / back - 1.0).abs() < 2e-5, "{said}");
+        assert!((value("F-number") / (focal / 2.0) - 1.0).abs() < 2e-5, "{said}");
+        // barrel distortion of a thin lens behind its stop is less than the square of the field angle
+        let distortion = value("distortion at (0, 5)\u{b0}") / 100.0;
+        assert!(distortion.abs() > 0.0 && distortion.abs() < 5f64.to_radians().powi(2), "{said}");
+        let json = bench.json(&[command, "lens.zmx", "--json"]);
+        let found = &json["first_order"];
+        assert!((found["focal_length"].as_f64().unwrap() / focal - 1.0).abs() < 2e-5, "{json}");
+        assert!((100.0 * found["distortion"].as_f64().unwrap() - 100.0 * distortion).abs() < 1e-3, "{json}");
+    }
+    let said = bench.says(&["info", "lens.zmx"]);
+    assert!(said.starts_with("lens.zmx: single, lengths in mm"), "{said}");
+    let row = |begin: &str| {
+        said.lines().find(|line| line.starts_with(begin)).unwrap().split_whitespace().collect::<Vec<_>>()
+    };
+    assert_eq!(
+        (&row("1 ")[..4], row("1 ").last()),
+        (&["1", "50", "3", "N-BK7"][..], Some(&"stop")),
+        "{said}"
+    );
+    assert_eq!(&row("2 ")[..3], ["2", "inf", "94.775"], "{said}");
+    assert!(bench.fails(2, &["info", "lens.zmx", "--explain"]).contains("not a tree of solids"));
+    // the mean square over all wavelengths is that within each and of their centroids, weighted by power
+    let json = bench.json(&["optics", "lens.zmx", "--json"]);
+    let image = json["sheets"].as_array().unwrap().iter().find(|sheet| sheet["sheet"] == "image").unwrap();
+    for field in image["fields"].as_array().unwrap() {
+        let lines = field["wavelengths"].as_array().unwrap();
+        let number = |value: &serde_json::Value| value.as_f64().unwrap();
+        assert_eq!(
+            lines.iter().map(|line| number(&line["wavelength_nm"])).collect::<Vec<_>>(),
+            [486.1327, 587.5618, 656.2725]
+        );
+        let power: f64 = lines.iter().map(|line| number(&line["power"])).sum();
+        let squares: f64 = lines
+            .iter()
+            .map(|line| {
+                let off = number(&line["centroid"][1]) - number(&field["centroid"][1]);
+                number(&line["power"]) * (number(&line["rms_radius"]).powi(2) + off * off)
+            })
+            .sum();
+        assert!((squares / power / number(&field["rms_radius"]).powi(2) - 1.0).abs() < 1e-9, "{field}");
+        assert!(number(&lines[0]["rms_radius"]) > number(&lines[1]["rms_radius"]), "{field}");
+    }
+}
+
+/// Five rays of each field, evenly spaced over the pupil, from slightly in front of the lens to the image.
+#[test]
+fn the_layout_of_a_lens_file() {
+    let bench = Bench::new();
+    let file = "UNIT MM\nENPD 10\nYFLN 0 5\nWAVM 1 0.4861327 1\nWAVM 2 0.5875618 1\nPWAV 2\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n \
+                CURV 0.02\n DISZ 3\n GLAS N-BK7\nSURF 2\n DISZ 94.775\nSURF 3\n";
+    bench.write("lens.zmx", file);
+    // the ends of all lines of a class, path by path
+    let lines = |drawing: &str, class: &str| -> Vec<Vec<[f64; 2]>> {
+        let paths = drawing.split("<path ").filter(|path| path.contains(&format!(r#"class="{class}""#)));
+        let points = |path: &str| {
+            let path =
+                path.split_once(" d=\"").unwrap().1.split('"').next().unwrap().replace(['M', 'L'], ";");
+            let point = |text: &str| {
+                let mut numbers = text.split_whitespace().map(|number| number.parse().unwrap());
+                [numbers.next().unwrap(), numbers.next().unwrap()]
+            };
+            path.split(';').filter(|part| !part.is_empty()).map(point).collect()
+        };
+        paths.map(points).collect()
+    };
+    bench.says(&["optics", "lens.zmx", "--quiet", "--layout", "lens.svg"]);
+    let drawing = bench.read("lens.svg");
+    for text in [">field 0\u{b0}<", ">field 5\u{b0}<", ">stop<", ">section x = 0<"] {
+        assert!(drawing.contains(text), "{text}: {drawing}");
+    }
+    assert!(!drawing.contains(" nm<"), "{drawing}");
+    let rays = lines(&drawing, "ray");
+    // a path for each field: five rays of three segments
+    assert_eq!(rays.iter().map(Vec::len).collect::<Vec<_>>(), [30, 30]);
+    let sheets = lines(&drawing, "sheet");
+    let right = |paths: &[Vec<[f64; 2]>]| paths.iter().flatten().map(|point| point[0]).fold(0.0, f64::max);
+    assert!((right(&rays) - right(&sheets)).abs() < 0.1, "{drawing}");
+    for ray in &rays {
+        let left = ray.iter().map(|point| point[0]).fold(f64::INFINITY, f64::min);
+        let mut heights: Vec<f64> =
+            ray.iter().filter(|point| point[0] < left + 0.1).map(|point| point[1]).collect();
+        heights.sort_by(f64::total_cmp);
+        let steps: Vec<f64> = heights.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        assert!(
+            steps.len() == 4 && steps.iter().all(|step| (step / steps[0] - 1.0).abs() < 0.02),
+            "{heights:?}"
+        );
+    }
+    let drawn =
+        |options: &[&str]| bench.says(&[&["optics", "lens.zmx", "-q", "--layout", "-"], options].concat());
+    let by_wavelength = drawn(&["--colour", "wavelength", "--rays", "12"]);
+    assert!(
+        by_wavelength.contains(">486.13 nm<") && by_wavelength.contains(">587.56 nm<"),
+        "{by_wavelength}"
+    );
+    // three rays of each field and wavelength
+    assert_eq!(lines(&by_wavelength, "ray").iter().map(Vec::len).collect::<Vec<_>>(), [36, 36]);
+    assert!(drawn(&["--plane", "xz"]).contains(">section y = 0<"));
+}
+
 /// A triplet whose lenses clip the oblique fields: rays that pass beside a lens reach the image far from the spot. The RMS
 /// radii of 401 x 401 rays that meet all surfaces are 5.000, 17.139 and 22.292 um (from Python).
 #[test]

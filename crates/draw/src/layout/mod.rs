@@ -81,6 +81,12 @@ pub struct OpticalLayout {
     marks: Option<(String, Vec<[f64; 2]>)>,
     colour: RayColour,
     sources: usize,
+    /// The names of the sources, if they have any.
+    source_names: Vec<String>,
+    /// The element behind which no light is drawn.
+    last: Option<usize>,
+    /// The edges of a stop, as lines.
+    stop: Vec<[[f64; 2]; 2]>,
 }
 
 /// A region in the section.
@@ -146,6 +152,9 @@ impl OpticalLayout {
             marks: None,
             colour: options.colour,
             sources: trial.sources,
+            source_names: Vec::new(),
+            last: None,
+            stop: Vec::new(),
         };
         let medium = |region| system.medium_of(region).map(|medium| medium.name().to_owned());
         layout.cut_solids(&make(system.program().clone()), medium)?;
@@ -180,6 +189,9 @@ impl OpticalLayout {
             marks: None,
             colour: RayColour::Wavelength,
             sources: 1,
+            source_names: Vec::new(),
+            last: None,
+            stop: Vec::new(),
         };
         layout.cut_solids(evaluator, medium)?;
         Ok(layout)
@@ -190,6 +202,34 @@ impl OpticalLayout {
     pub fn with_marks(mut self, name: &str, points: impl IntoIterator<Item = Vec3>) -> OpticalLayout {
         let points = points.into_iter().map(|point| self.cut.place(point)).collect();
         self.marks = Some((name.to_owned(), points));
+        self
+    }
+
+    /// Names the sources in the legend, such as the fields of a lens.
+    #[must_use]
+    pub fn with_source_names(mut self, names: impl IntoIterator<Item = String>) -> OpticalLayout {
+        self.source_names = names.into_iter().collect();
+        self
+    }
+
+    /// Draws no light behind this element, such as the image of a lens.
+    #[must_use]
+    pub fn ending_at(mut self, element: usize) -> OpticalLayout {
+        self.last = Some(element);
+        self
+    }
+
+    /// Draws the edges of a stop as lines, each from the end at the opening to the other one, with the label "stop".
+    #[must_use]
+    pub fn with_stop(mut self, edges: impl IntoIterator<Item = [Vec3; 2]>) -> OpticalLayout {
+        self.stop = edges.into_iter().map(|edge| edge.map(|point| self.cut.place(point))).collect();
+        let margin = 0.05 * (self.hi[0] - self.lo[0]).max(self.hi[1] - self.lo[1]);
+        for [x, y] in self.stop.iter().flatten() {
+            for (k, place) in [x, y].into_iter().enumerate() {
+                self.lo[k] = self.lo[k].min(place - margin);
+                self.hi[k] = self.hi[k].max(place + margin);
+            }
+        }
         self
     }
 

@@ -65,6 +65,7 @@ pub fn drawing(layout: &OpticalLayout, title: &str, unit: &str) -> String {
     pen.rays();
     pen.marks();
     layout.sheets.iter().for_each(|line| pen.line("sheet", line, false));
+    pen.stop();
     pen.axes(unit);
     let height = pen.legend(&media);
     pen.svg.finish([WIDTH, height], title, &description(layout), STYLE)
@@ -135,8 +136,9 @@ impl<'a> Drawing<'a> {
         let emitted = emitted(segments);
         let tangents = tangents(segments);
         let thinning = self.thinning();
+        let is_behind = behind(segments, self.layout.last);
         let mut paths: BTreeMap<(usize, String, i64), String> = BTreeMap::new();
-        for (segment, tangent) in segments.iter().zip(tangents) {
+        for ((segment, tangent), _) in segments.iter().zip(tangents).zip(is_behind).filter(|(_, is)| !is) {
             let part = segment.intensity / emitted.get(&segment.id).copied().unwrap_or(1.0);
             if part < FAINTEST {
                 continue;
@@ -214,6 +216,17 @@ impl<'a> Drawing<'a> {
         }
     }
 
+    fn stop(&mut self) {
+        for edge in &self.layout.stop {
+            self.line("sheet", edge, false);
+        }
+        let highest = self.layout.stop.iter().flatten().max_by(|a, b| a[1].total_cmp(&b[1]));
+        if let Some(&end) = highest {
+            let [x, y] = self.plan.position(end);
+            self.svg.text("tick", [x, y - 6.0], Anchor::Middle, "stop", "stop");
+        }
+    }
+
     /// The height of the scale bar and the axes. The section of dense light fills the window down to its lower edge.
     fn bar(&self) -> f64 {
         if self.layout.is_dense { BAR + 14.0 } else { BAR }
@@ -244,7 +257,7 @@ impl<'a> Drawing<'a> {
             RayColour::Wavelength => {
                 Wavelengths::new(self.layout.segments.wavelength_nm.iter().copied()).entries()
             }
-            RayColour::Source => sources(self.layout.sources),
+            RayColour::Source => sources(self.layout),
         });
         entries.extend(self.layout.marks.iter().map(|(name, points)| Entry {
             name: format!("{name}: {}", points.len()),
@@ -280,10 +293,28 @@ fn tangents(segments: &Segments) -> Vec<Option<Vec3>> {
     rows.iter().map(tangent).collect()
 }
 
-fn sources(count: usize) -> Vec<Entry> {
+/// Whether each segment is one of light that has met an element before.
+fn behind(segments: &Segments, element: Option<usize>) -> Vec<bool> {
+    let Some(element) = element.and_then(|element| i32::try_from(element).ok()) else {
+        return vec![false; segments.len()];
+    };
+    let mut found = Vec::with_capacity(segments.len());
+    for segment in segments.iter() {
+        let parent = usize::try_from(segment.parent).ok().filter(|&parent| parent < found.len());
+        found.push(parent.is_some_and(|parent| found[parent] || segments.element[parent] == element));
+    }
+    found
+}
+
+/// Sources with their colours: all of them if they have names, otherwise the first ones, whose colours are distinct.
+fn sources(layout: &OpticalLayout) -> Vec<Entry> {
     let entry =
-        |k: u32| Entry { name: format!("source {k}"), colour: paint(source_colour(k)), swatch: Swatch::Line };
-    (0..count.min(5) as u32).map(entry).collect()
+        |(k, name): (u32, String)| Entry { name, colour: paint(source_colour(k)), swatch: Swatch::Line };
+    if layout.source_names.is_empty() {
+        let names = (0..layout.sources.min(5) as u32).map(|k| (k, format!("source {k}")));
+        return names.map(entry).collect();
+    }
+    (0..).zip(layout.source_names.iter().cloned()).map(entry).collect()
 }
 
 fn source_colour(source: u32) -> Rgba {

@@ -184,7 +184,7 @@ impl Surface {
     }
 
     /// The form (sag function) of the surface.
-    pub(crate) fn form(&self) -> SurfaceForm {
+    pub fn form(&self) -> SurfaceForm {
         let asphere = Asphere { radius: self.radius, conic: self.conic, even: self.even, odd: self.odd };
         SurfaceForm::new(asphere, self.figure.clone())
     }

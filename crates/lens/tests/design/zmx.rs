@@ -126,7 +126,8 @@ fn glasses_are_those_of_the_makers_and_of_the_index_in_the_file() {
     let (_, found, note) = of("GCAT SCHOTT", "F4");
     assert_eq!((found, note.as_deref()), (glass("F4"), Some("line 31: F4 of CDGM is used: Schott has none")));
     assert_eq!(of("GCAT CDGM SCHOTT", "F4").2, None);
-    assert_eq!(of("GCAT MISC SCHOTT", "F4").2, None);
+    let text = "line 31: F4 of CDGM is used: Schott has none, and MISC is not among the built-in catalogues";
+    assert_eq!(of("GCAT MISC SCHOTT", "F4").2.as_deref(), Some(text));
     assert_eq!(of("GCAT SCHOTT CDGM", "F2").1, glass("F2"));
     let (lens, found, note) = of("GCAT CDGM_2012 SCHOTT", "F2 0 0 1.5 40");
     assert_eq!((found, note), (glass("CDGM F2"), None));
@@ -135,6 +136,45 @@ fn glasses_are_those_of_the_makers_and_of_the_index_in_the_file() {
     let text = write_zmx(&lens).unwrap();
     assert!(text.contains("GCAT CDGM\n") && text.contains("GLAS F2 0 0 1.612929"), "{text}");
     assert_eq!(read_zmx(text.as_bytes()).unwrap().prescription.surfaces[0].behind, glass("CDGM F2"));
+}
+
+/// Hikari's F2 has the index of Schott's, 1.62004, and the Abbe number 36.33 instead of 36.37 (Nikon's Zemax catalogue,
+/// November 2017).
+#[test]
+fn glasses_of_catalogues_that_are_not_built_in_are_noted() {
+    let note = |makers: &str, glass: &str| {
+        let file = SINGLET.replace("GCAT SCHOTT", makers).replace("N-BK7 0 0 1.5168 64.17", glass);
+        let read = read_zmx(file.as_bytes()).unwrap();
+        assert_eq!(read.prescription.surfaces[0].behind, Behind::Glass("F2".to_owned()));
+        read.notes.iter().map(ToString::to_string).find(|note| note.starts_with("line 31: "))
+    };
+    let missing = "line 31: F2 of Schott is used: HIKARI is not among the built-in catalogues";
+    for glass in ["F2", "F2 0 0 1.5 40", "F2 0 0 1.62004 36.33"] {
+        assert_eq!(note("GCAT HIKARI", glass).as_deref(), Some(missing), "{glass}");
+    }
+    let first = format!("{missing}, and the file searches it first");
+    assert_eq!(note("GCAT HIKARI SCHOTT", "F2"), Some(first));
+    // the numbers of the file are those of Schott's glass
+    assert_eq!(note("GCAT HIKARI", "F2 0 0 1.62004 36.37"), None);
+    assert_eq!(note("GCAT SCHOTT HIKARI", "F2"), None);
+}
+
+/// A program that searches the catalogues in the order of the file finds the glasses of the prescription.
+#[test]
+fn files_name_the_makers_of_all_glasses() {
+    let line = |names: &[&str]| {
+        let glass = |name: &&str| Surface::new(50.0, 2.0, Behind::Glass((*name).to_owned()));
+        let lens = Prescription::new(names.iter().map(glass).collect());
+        let text = write_zmx(&lens).unwrap();
+        let read = read_zmx(text.as_bytes()).unwrap();
+        assert_eq!((read.prescription.surfaces, read.notes), (lens.surfaces, Vec::new()), "{text}");
+        text.lines().find(|line| line.starts_with("GCAT")).map(ToOwned::to_owned)
+    };
+    assert_eq!(line(&["F2", "N-BK7"]).as_deref(), Some("GCAT SCHOTT"));
+    // CDGM has an F2, too
+    assert_eq!(line(&["H-K9L", "F2"]).as_deref(), Some("GCAT SCHOTT CDGM"));
+    assert_eq!(line(&["CDGM F2", "N-BK7"]).as_deref(), Some("GCAT CDGM SCHOTT"));
+    assert_eq!(line(&["SiO2"]), None);
 }
 
 /// Everything with an effect in Zemax that is not read is named with its line; neutral settings are not.

@@ -34,6 +34,8 @@ pub struct Detectors {
     bins_irradiance: bool,
     /// The elements that light by source meets in this order; empty for all light.
     sequence: Vec<usize>,
+    /// The only wavelength that counts.
+    wavelength_nm: Option<f64>,
 }
 
 /// A sheet and the light that arrives at it. Points are in coordinates of the sheet: lengths along its x and y axes from its
@@ -58,8 +60,13 @@ pub struct Detector {
 impl Detectors {
     /// A detector without light for each sheet of a system. Irradiance takes some megabytes for each of them.
     pub fn new(system: &System, bins_irradiance: bool) -> Detectors {
-        let mut detectors =
-            Detectors { list: Vec::new(), of_element: Vec::new(), bins_irradiance, sequence: Vec::new() };
+        let mut detectors = Detectors {
+            list: Vec::new(),
+            of_element: Vec::new(),
+            bins_irradiance,
+            sequence: Vec::new(),
+            wavelength_nm: None,
+        };
         for (number, name) in system.element_names().iter().enumerate() {
             let frame = system.sheet_frame(name);
             detectors.of_element.push(frame.map(|_| detectors.list.len()));
@@ -86,12 +93,22 @@ impl Detectors {
         self
     }
 
+    /// Restricts all results to light of this wavelength in nanometres, exactly.
+    #[must_use]
+    pub fn of_wavelength(mut self, wavelength_nm: f64) -> Detectors {
+        self.wavelength_nm = Some(wavelength_nm);
+        self
+    }
+
     /// Adds the light of all segments that end at a sheet.
     pub fn add(&mut self, segments: &Segments) {
         let [x, y, z] = &segments.end;
         for (row, &element) in segments.element.iter().enumerate() {
             let element = usize::try_from(element).ok().and_then(|number| self.of_element.get(number));
             let Some(sheet) = element.copied().flatten() else { continue };
+            if self.wavelength_nm.is_some_and(|wanted| wanted != segments.wavelength_nm[row]) {
+                continue;
+            }
             let (detector, power) = (&mut self.list[sheet], segments.intensity[row]);
             let point = detector.coordinates(Vec3::new(x[row], y[row], z[row]));
             detector.spots.add(point, segments.wavelength_nm[row], power);

@@ -76,6 +76,17 @@ class Columns(Mapping[str, NDArray[Any]]):
         """The length of the columns."""
         return len(next(iter(self.columns.values()), ()))
 
+    def __eq__(self, other: object) -> bool:
+        """The same kind of result with the same units and values; NaN equals NaN."""
+        if not isinstance(other, Columns):
+            return NotImplemented
+        if type(self) is not type(other) or self.units != other.units:
+            return False
+        return all(_equal(column, other.columns[name]) for name, column in self.columns.items())
+
+    # columns are arrays, which can change
+    __hash__ = None  # type: ignore[assignment]
+
     def __repr__(self) -> str:
         units = (f"{name} [{unit}]" if unit else name for name, unit in self.units.items())
         return f"<{type(self).__name__} of {self.rows} rows: {', '.join(units)}>"
@@ -103,3 +114,8 @@ class Columns(Mapping[str, NDArray[Any]]):
     def to_xarray(self) -> Any:
         """The columns as an xarray Dataset with the dimension `row`; the units are in the attribute `units` of each variable."""
         return dataset(self.columns, self.units)
+
+
+def _equal(one: NDArray[Any], other: NDArray[Any]) -> bool:
+    has_nan = one.dtype.kind in "fc" and other.dtype.kind in "fc"
+    return bool(np.array_equal(one, other, equal_nan=has_nan))

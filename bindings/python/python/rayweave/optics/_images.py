@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import array, package, pair, real, whole
-from rayweave.optics._pupil import PupilMeans, best_shift
+from rayweave.optics._pupil import PupilMeans, PupilSample, best_shift
 from rayweave.optics._system import _UNIT_NM
 
 if TYPE_CHECKING:
@@ -86,24 +86,21 @@ class Rays(Columns):
     (127, 'mm')
     """
 
-    def __init__(self, compiled: _core.Arrivals, unit: str, means: Callable[[], PupilMeans]) -> None:
+    def __init__(self, compiled: _core.Arrivals, unit: str, sample: PupilSample) -> None:
         lengths = dict.fromkeys(("x", "y", "z", "path"), unit)
         super().__init__(compiled.columns(), {**lengths, "wavelength_nm": "nm"})
         self._compiled = compiled
         self._unit = unit
-        self._find_means = means
-        self._found_means: PupilMeans | None = None
+        self._sample = sample
 
     def _means(self) -> PupilMeans:
         """The rays for means over the pupil: those of a quadrature, traced on demand, or else these rays."""
-        if self._found_means is None:
-            self._found_means = self._find_means()
-        return self._found_means
+        return self._sample.means()
 
     def moved(self, shift: float) -> Rays:
         """The same rays on a plane moved along the axis."""
         distance = real(shift, "shift")
-        return Rays(self._compiled.moved(distance), self._unit, lambda: self._means().moved(distance))
+        return Rays(self._compiled.moved(distance), self._unit, self._sample.moved(distance))
 
     def spot(self) -> SpotSize:
         """The size of the spot."""
@@ -118,18 +115,23 @@ class Rays(Columns):
         return best_shift(self._means().focal_moments())
 
     def encircled_energy(self, radii: ArrayLike) -> Numbers:
-        """The fraction of the power within circles about the centroid."""
-        return self._compiled.encircled_energy(_core.number_list(radii, "radii"))
+        """The fraction of the power within circles about the centroid, from 4096 rays or more for each wavelength, even in the
+        area of the pupil, or from the rays of the points that were given."""
+        return self._sample.even().encircled_energy(_core.number_list(radii, "radii"))
 
     def radius_of_energy(self, fraction: float) -> float:
-        """The radius of the smallest circle about the centroid with at least a fraction of the power."""
-        return self._compiled.radius_of_energy(real(fraction, "fraction"))
+        """The radius of the smallest circle about the centroid with at least a fraction of the power, from the rays of
+        `encircled_energy`."""
+        return self._sample.even().radius_of_energy(real(fraction, "fraction"))
 
     def geometric_mtf(self, frequencies: ArrayLike, direction: tuple[float, float] = (0.0, 1.0)) -> Numbers:
         """The geometric modulation transfer function: the modulation of lines across a direction by frequency in cycles
         per unit of length, without diffraction. It is the modulus of the Fourier transform of the spot (W. J. Smith,
-        Modern Optical Engineering, section on the modulation transfer function)."""
-        return self._compiled.mtf(pair(direction, "direction", "a pair of numbers along x and y"), _core.number_list(frequencies, "frequencies"))
+        Modern Optical Engineering, section on the modulation transfer function), a mean over the area of the pupil by
+        `pupil_quadrature`, whose rings are doubled, up to 96 or more, until modulations change by less than 1e-4; with given
+        points of the pupil, of the given rays."""
+        along = pair(direction, "direction", "a pair of numbers along x and y")
+        return self._sample.modulation(np.array(_core.number_list(frequencies, "frequencies")), along)
 
     #: The short name of `geometric_mtf`.
     mtf = geometric_mtf
@@ -186,7 +188,7 @@ class Spots(Columns):
 
     def show(self, *, axes: Sequence[Axes] | None = None) -> list[Axes]:
         """Draws the spot diagrams about their centroids in micrometres, to one scale, coloured by wavelength, with the
-        Airy disk of the primary wavelength on the axis, up to its first dark ring."""
+        Airy disk of the primary wavelength, or of the only one, on the axis, up to its first dark ring."""
         from rayweave.optics._drawing import wavelength_rgb
 
         plt = package("matplotlib.pyplot", "drawings")
@@ -369,22 +371,36 @@ class Wavefront(Columns):
     >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
     >>> front = lens.wavefront(0)
     >>> front.units["waves"], round(front.rms, 2)
-    ('waves', 2.98)
+    ('waves', 2.99)
     """
 
+    _find_rms: Callable[[], float] | None = None
+    _rms: float | None = None
+
     @classmethod
-    def of(cls, pupil: Numbers, waves: Numbers) -> Self:
-        """From points (N, 2) and differences (N,)."""
-        return cls({"pupil_x": pupil[:, 0], "pupil_y": pupil[:, 1], "waves": waves}, {"waves": "waves"})
+    def of(cls, pupil: Numbers, waves: Numbers, rms: Callable[[], float] | None = None) -> Self:
+        """From points (N, 2) and differences (N,). `rms` returns the standard deviation over the pupil; by default it is that
+        of the points."""
+        made = cls({"pupil_x": pupil[:, 0], "pupil_y": pupil[:, 1], "waves": waves}, {"waves": "waves"})
+        made._find_rms = rms
+        return made
 
     @property
     def rms(self) -> float:
-        """The standard deviation in waves."""
-        return float(self["waves"].std())
+        """The standard deviation in waves: over the area of the pupil by Gaussian quadrature, from 336 rays
+        (`pupil_quadrature(12)`), as that of the goal "wavefront"; for a field with vignetted rays over 4096 points that are
+        even in area. With given points of the pupil, it is that of the points, which count equally."""
+        if self._rms is None:
+            self._rms = float(self["waves"].std()) if self._find_rms is None else self._find_rms()
+        return self._rms
+
+    def __getstate__(self) -> dict[str, Any]:
+        # the function that finds the RMS cannot be pickled
+        return {**self.__dict__, "_find_rms": None, **({} if self._find_rms is None else {"_rms": self.rms})}
 
     @property
     def peak_to_valley(self) -> float:
-        """The largest minus the smallest difference, in waves."""
+        """The largest minus the smallest difference among the points, in waves."""
         return float(np.ptp(self["waves"]))
 
     @property
@@ -453,9 +469,9 @@ class Energy(_ByField):
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
     >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
-    >>> energy = lens.encircled_energy([0.01, 0.1, 1.0])
+    >>> energy = lens.encircled_energy([0.05, 0.08, 1.0])
     >>> energy.of_field(0, "fraction").round(2)
-    array([0.01, 1.  , 1.  ])
+    array([0.12, 0.51, 1.  ])
     """
 
     @classmethod
@@ -475,14 +491,14 @@ class Energy(_ByField):
 
 class Modulation(_ByField):
     """The geometric MTF of every `field`, from rays without diffraction, by `frequency` in cycles per unit of length:
-    `tangential`, `sagittal`, and the diffraction `limit` of a lens without aberrations, on the axis.
+    `tangential`, `sagittal`, and the diffraction `limit` of a lens without aberrations, on the axis, for the same light.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
     >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
     >>> mtf = lens.geometric_mtf([0, 10, 20])
     >>> mtf.of_field(0, "tangential").round(2)
-    array([1.  , 0.15, 0.15])
+    array([1.  , 0.15, 0.14])
     """
 
     _UP = "geometric MTF (without diffraction)"
@@ -493,19 +509,19 @@ class Modulation(_ByField):
         images: list[Rays],
         fields: Sequence[tuple[float, float]],
         frequencies: Numbers,
-        cutoff: float,
+        limit: Numbers,
         unit: str,
     ) -> Self:
-        """From the rays of every field; `cutoff` is the cutoff frequency of diffraction."""
+        """From the rays of every field; `limit` is the modulation of a lens without aberrations."""
         along = [field if field != (0.0, 0.0) else (0.0, 1.0) for field in fields]
         pairs = list(zip(images, along, strict=True))
         tangential = np.concatenate([image.geometric_mtf(frequencies, (x, y)) for image, (x, y) in pairs])
         sagittal = np.concatenate([image.geometric_mtf(frequencies, (y, -x)) for image, (x, y) in pairs])
-        return cls.from_parts(len(images), frequencies, tangential, sagittal, cutoff, unit)
+        return cls.from_parts(len(images), frequencies, tangential, sagittal, limit, unit)
 
     @classmethod
     def from_parts(
-        cls, fields: int, frequencies: Numbers, tangential: Numbers, sagittal: Numbers, cutoff: float, unit: str
+        cls, fields: int, frequencies: Numbers, tangential: Numbers, sagittal: Numbers, limit: Numbers, unit: str
     ) -> Self:
         """From the modulations of all fields, one after the other."""
         columns = {
@@ -513,7 +529,7 @@ class Modulation(_ByField):
             "frequency": np.tile(frequencies, fields),
             "tangential": tangential,
             "sagittal": sagittal,
-            "limit": np.tile(_diffraction(frequencies / cutoff), fields),
+            "limit": np.tile(limit, fields),
         }
         return cls(columns, {"frequency": f"1/{unit}"})
 
@@ -542,7 +558,7 @@ class DiffractionModulation(Modulation):
     _UP = "diffraction MTF"
 
 
-def _diffraction(share: Numbers) -> Numbers:
+def diffraction_limit(share: Numbers) -> Numbers:
     """The transfer function of a circular pupil by frequency over its cutoff (Goodman, equation 6-31 of the second
     edition)."""
     inside = np.clip(share, 0.0, 1.0)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -136,11 +136,102 @@ class PupilMeans:
         places, slopes = self.places - self._mean(self.places), self.slopes - self._mean(self.slopes)
         return np.array([self._mean(places * slopes).sum(), self._mean(slopes**2).sum()])
 
-    def _mean(self, values: Numbers) -> Numbers:
+    def modulation(self, frequencies: Numbers, direction: tuple[float, float]) -> Numbers:
+        """The geometric modulation transfer function of lines across a direction."""
+        along = self.places @ np.array(direction) / np.hypot(*direction)
+        along = along - self._mean(along)
+        # one frequency at a time: a table of all of them would be large
+        sums = [self._mean(np.exp(2.0j * np.pi * frequency * along)) for frequency in frequencies.tolist()]
+        return np.asarray(np.abs(sums), float)
+
+    def _mean(self, values: NDArray[Any]) -> NDArray[Any]:
         total = float(self.weights.sum())
         if not total > 0.0:
             raise _core.RayweaveError("no light arrives at the image: a spot needs at least one ray.")
         return np.asarray(self.weights @ values / total)
+
+
+#: The change of modulations from one number of rings to its double below which they count as converged.
+_MODULATION_TOLERANCE = 1e-4
+#: The number of rings from which rings are not doubled any more for modulations.
+_MODULATION_RINGS = 96
+
+
+@dataclass(frozen=True)
+class PupilSample:
+    """Rays of a field that stand for its pupil.
+
+    `trace` returns the rays through points (N, 2) of the pupil at all of the `lines` wavelengths; they are traced when they are
+    needed, and only once. `is_clear` is false if rays of a field are known to be vignetted. With `given`, a number of points
+    and the rays through them, these rays are the sample, and count equally. Rays are taken on a plane moved along the axis by
+    `shift`."""
+
+    trace: Callable[[Numbers], _core.Arrivals]
+    lines: int
+    rings: int
+    is_clear: bool = True
+    given: tuple[int, _core.Arrivals] | None = None
+    shift: float = 0.0
+    traced: dict[int, PupilMeans] = field(default_factory=dict)
+
+    def moved(self, shift: float) -> Self:
+        """The rays on a plane moved along the axis."""
+        return replace(self, shift=self.shift + shift)
+
+    def means(self, rings: int | None = None) -> PupilMeans:
+        """Rays with weights: those of `pupil_quadrature` or, if some rays are vignetted, of equal areas."""
+        count = self.rings if rings is None else rings
+        if count not in self.traced:
+            self.traced[count] = self._means(count)
+        means = self.traced[count]
+        return means.moved(self.shift) if self.shift else means
+
+    def _means(self, rings: int) -> PupilMeans:
+        if self.given is not None:
+            count, arrivals = self.given
+            return PupilMeans.of(arrivals.columns(), np.ones(count), self.lines)
+        places, weights = pupil_quadrature(rings)
+        columns = self.trace(places).columns()
+        if rings > 0 and not (self.is_clear and len(columns["id"]) == self.lines * len(places)):
+            places = even_points(rings)
+            columns = self.trace(places).columns()
+            weights = np.full(len(places), 1.0 / len(places))
+        return PupilMeans.of(columns, weights, self.lines)
+
+    def even(self) -> _core.Arrivals:
+        """Rays of equal areas of the pupil, or the given ones."""
+        if self.given is not None:
+            return self.given[1].moved(self.shift)
+        return self.trace(even_points(self.rings) if self.rings > 0 else np.zeros((1, 2))).moved(self.shift)
+
+    def modulation(self, frequencies: Numbers, direction: tuple[float, float]) -> Numbers:
+        """The geometric modulation transfer function: the number of rings is doubled until modulations change by less than
+        1e-4."""
+        rings, found = self.rings, self.means().modulation(frequencies, direction)
+        while self.given is None and 0 < rings < _MODULATION_RINGS:
+            rings, before = 2 * rings, found
+            found = self.means(rings).modulation(frequencies, direction)
+            if float(np.abs(found - before).max(initial=0.0)) <= _MODULATION_TOLERANCE:
+                break
+        return found
+
+
+def pupil_deviation(waves: Callable[[Numbers], Numbers], is_clear: bool) -> float:
+    """The standard deviation over the area of the pupil of a wavefront, by `waves` at points (N, 2): by quadrature or, if the
+    pupil is not clear, over points of equal areas."""
+    points, weights = pupil_quadrature(_WAVEFRONT_RINGS)
+    found = waves(points)
+    if not (is_clear and len(found) == len(points)):
+        found = waves(even_points())
+        weights = np.ones(len(found))
+    if not len(found):
+        return float("nan")
+    off = found - weights @ found / weights.sum()
+    return float(np.sqrt(weights @ off**2 / weights.sum()))
+
+
+#: The number of rings of a wavefront: squares of wavefronts up to the power 13 of the pupil's radius are integrated exactly.
+_WAVEFRONT_RINGS = 12
 
 
 def best_shift(moments: Numbers) -> float:

@@ -16,7 +16,7 @@
 //! | `PARM 1` to `PARM 8` | of EVENASPH, SZERNSAG and FZERNSAG, the coefficients of r^2, r^4, ..., r^16; of ODDASPHE, those of r, r^2, ..., r^8; of BICONICX, radius (0 for none) and conic constant along x; of TOROIDAL, the radius of rotation (0 for a cylinder) and the coefficients of y^2, y^4, ..., y^14 |
 //! | from `XDAT 1`, or from `PARM 13` | of XASPHERE, the number of terms, the radius by which r is divided, the coefficients of r^2, r^4, ..., r^16; of XPOLYNOM, SZERNSAG and FZERNSAG, the number of terms, the radius by which x and y are divided, the coefficients: of x, y, x^2, x y, y^2, ...; of Noll's Zernike polynomials; of those in the fringe order |
 //! | `CURV`, `CONI`, `DISZ` | curvature, conic constant, distance to the next surface |
-//! | `GCAT` | the makers of glasses, in the order in which they are searched; the other makers follow |
+//! | `GCAT` | the catalogues of glasses, in the order in which they are searched; the other makers follow. A file is written with the makers of all its glasses. A glass that another catalogue may mean, one that is not built in and comes first, is noted unless index and Abbe number in the file agree |
 //! | `GLAS` | `MIRROR`, the name of a glass, or `___BLANK` with index and Abbe number, which also replace unknown glasses and those whose index in the catalogues differs by more than 1e-4 |
 //! | `DIAM r 1`, `CLAP hole r` | semi-diameter, if it is fixed (a computed one, `DIAM r 0`, is recomputed) |
 //! | `STOP` | the stop |

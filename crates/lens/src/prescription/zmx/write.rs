@@ -1,9 +1,11 @@
 //! Writer of Zemax files.
 
 use super::decimal;
+use super::glas::{C_NM, D_NM, F_NM};
 use super::kind::written;
 use crate::prescription::{Behind, FieldKind, Prescription, PrescriptionError, Surface, SystemAperture};
 use rayweave_optics::Medium;
+use rayweave_optics::glass::{Glass, GlassError, glass as catalogue_glass};
 
 /// Writes a prescription as a Zemax file, in UTF-8 with line feeds. Reading it back gives the same
 /// prescription, with three exceptions: a [`Behind::Medium`] becomes a model glass, radii are rounded to 16
@@ -94,7 +96,7 @@ fn surface_lines(surface: &Surface, glass: Option<String>) -> Result<Vec<String>
 }
 
 /// The arguments of `GLAS`; none for air.
-fn glass(behind: &Behind) -> Result<Option<String>, rayweave_optics::glass::GlassError> {
+fn glass(behind: &Behind) -> Result<Option<String>, GlassError> {
     Ok(match behind {
         Behind::Air => None,
         Behind::Mirror => Some("MIRROR 0 0 1.5 40".to_owned()),
@@ -110,24 +112,42 @@ fn glass(behind: &Behind) -> Result<Option<String>, rayweave_optics::glass::Glas
 
 /// Maker and name of a glass that is stated with its maker, as a name in a file has no blank.
 fn own_name(name: &str) -> Option<(String, String)> {
-    let found = rayweave_optics::glass::glass(name).ok().filter(|_| name.contains(char::is_whitespace))?;
+    let found = catalogue_glass(name).ok().filter(|_| name.contains(char::is_whitespace))?;
     Some((found.maker().to_owned(), found.name().split_whitespace().collect::<Vec<_>>().join("_")))
 }
 
-/// The line of the makers of glasses that are stated with their makers.
+/// The line of the makers of all glasses, so that other programs take these and not glasses of the same names.
 fn makers(lens: &Prescription) -> Option<String> {
-    let mut makers: Vec<String> = Vec::new();
+    let mut glasses: Vec<Glass> = Vec::new();
     for surface in &lens.surfaces {
         let Behind::Glass(name) = &surface.behind else { continue };
-        let maker = own_name(name).map(|(maker, _)| maker.to_uppercase());
-        makers.extend(maker.filter(|maker| !maker.is_empty() && !makers.contains(maker)));
+        let found = catalogue_glass(name).ok().filter(|found| !found.maker().is_empty());
+        glasses.extend(found);
     }
-    (!makers.is_empty()).then(|| format!("GCAT {}", makers.join(" ")))
+    let mut left: Vec<&str> = Vec::new();
+    for glass in &glasses {
+        if !left.contains(&glass.maker()) {
+            left.push(glass.maker());
+        }
+    }
+    let mut ordered = Vec::new();
+    while !left.is_empty() {
+        // a maker hides the glasses of later ones that have the name of one of its own
+        let hides = |maker: &str| {
+            glasses.iter().any(|glass| {
+                let is_later = glass.maker() != maker && left.contains(&glass.maker());
+                is_later && catalogue_glass(&format!("{maker} {}", glass.name())).is_ok()
+            })
+        };
+        let next = left.iter().position(|maker| !hides(maker)).unwrap_or(0);
+        ordered.push(left.remove(next).to_uppercase());
+    }
+    (!ordered.is_empty()).then(|| format!("GCAT {}", ordered.join(" ")))
 }
 
 /// Name, index and Abbe number, to six and four digits as in catalogues.
 fn named(name: &str, medium: &Medium) -> String {
-    let [f, d, c] = [486.1327, 587.5618, 656.2725].map(|line| medium.index(line).re);
+    let [f, d, c] = [F_NM, D_NM, C_NM].map(|line| medium.index(line).re);
     let (n_d, v_d) = (format!("{d:.6}"), format!("{:.4}", (d - 1.0) / (f - c)));
     let kind = if name == "___BLANK" { 1 } else { 0 };
     format!("{name} {kind} 0 {n_d} {v_d}")
