@@ -162,7 +162,7 @@ pub struct Face {
     pub placement: PlacementId,
 }
 
-/// A change of region along a ray.
+/// A change of region along a ray, with a change of medium: where two regions of one medium touch, there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// The time, in units of the length of the ray's direction.
