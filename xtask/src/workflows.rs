@@ -1,5 +1,5 @@
-//! The check of the workflows of continuous integration: actionlint finds no mistake, and each step runs one command of xtask, so that
-//! everything that a workflow does can be done at home.
+//! The check of the workflows of continuous integration: actionlint finds no mistake, each step runs one command of xtask, so that
+//! everything that a workflow does can be done at home, and each action of others is named by its commit.
 
 use std::fs;
 use std::process::Command;
@@ -38,12 +38,18 @@ pub fn run(repository: &Repository, counts: &mut Counts) -> Outcome {
             problems.extend(foreign_steps(&source.text).map(|(line, step)| {
                 format!("{path}:{line}: '{step}' is no command of xtask. Move what it does to xtask.")
             }));
+            problems.extend(loose_actions(&source.text).map(|(line, action, reason)| {
+                format!(
+                    "{path}:{line}: '{action}' {reason}. Write OWNER/NAME@COMMIT # vVERSION, with all 40 digits of the \
+                     commit."
+                )
+            }));
         }
     }
     if !problems.is_empty() {
         return Err(problems.join("\n"));
     }
-    println!("workflows: {} files call only xtask", files.len());
+    println!("workflows: {} files call only xtask, and name actions by commit", files.len());
     if process::on_path("actionlint").is_some() {
         return process::run(Command::new("actionlint").current_dir(&repository.root).args(&files));
     }
@@ -86,6 +92,32 @@ fn foreign_steps(text: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
+/// The actions of other repositories that are not named by a commit with its version in a comment, each with its line and what is
+/// wrong. A tag or branch can be moved, so that other code runs than the one that was read; the comment says to people, and to
+/// Dependabot, which release a commit is.
+fn loose_actions(text: &str) -> impl Iterator<Item = (usize, &str, &'static str)> {
+    text.lines().enumerate().filter_map(|(index, line)| {
+        let line = line.trim_start().trim_start_matches("- ").trim_start();
+        let value = line.strip_prefix("uses:")?.trim();
+        let (action, comment) = value.split_once(" #").unwrap_or((value, ""));
+        let action = action.trim().trim_matches(['"', '\'']);
+        // a workflow or an action of this repository
+        if action.starts_with("./") {
+            return None;
+        }
+        let version = action.split_once('@').map_or("", |(_, version)| version);
+        let is_commit = version.len() == 40 && version.bytes().all(|byte| byte.is_ascii_hexdigit());
+        let is_release =
+            |text: &str| text.starts_with('v') && text[1..].starts_with(|c: char| c.is_ascii_digit());
+        let reason = match (is_commit, is_release(comment.trim())) {
+            (false, _) => "is not named by its commit",
+            (true, false) => "has no comment with its version",
+            (true, true) => return None,
+        };
+        Some((index + 1, action, reason))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,12 +131,31 @@ mod tests {
     }
 
     #[test]
+    fn actions_of_others_are_named_by_commit() {
+        const COMMIT: &str = "0123456789abcdef0123456789abcdef01234567";
+        let text = format!(
+            "steps:\n  - uses: ./.github/workflows/files.yml\n  - uses: a/b@{COMMIT} # v1.2.3\n  - uses: a/b@v4\n\
+             \x20 - uses: a/b@{COMMIT}\n  - name: x\n    uses: 'a/b@{}' # v1\n  - uses: a/b@main # v1\n  - uses: a/b\n\
+             \x20 - uses: a/b@{COMMIT} # latest\n",
+            &COMMIT[..39]
+        );
+        let found: Vec<_> = loose_actions(&text).map(|(line, _, reason)| (line, reason)).collect();
+        let (unnamed, unversioned) = ("is not named by its commit", "has no comment with its version");
+        let expected =
+            [(4, unnamed), (5, unversioned), (7, unnamed), (8, unnamed), (9, unnamed), (10, unversioned)];
+        assert_eq!(found, expected);
+        let action = loose_actions("uses: a/b@v4 # v4").next().map(|(_, action, _)| action);
+        assert_eq!(action, Some("a/b@v4"));
+    }
+
+    #[test]
     fn the_workflows_of_this_repository_call_xtask() {
         let repository = Repository::find().unwrap();
         let paths = repository.files().unwrap().into_iter().filter(|path| path.starts_with(FOLDER));
         for path in paths {
             let source = repository.source(&path).unwrap().unwrap();
             assert_eq!(foreign_steps(&source.text).collect::<Vec<_>>(), [], "{path}");
+            assert_eq!(loose_actions(&source.text).collect::<Vec<_>>(), [], "{path}");
         }
     }
 }

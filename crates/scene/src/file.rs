@@ -157,10 +157,12 @@ impl Source {
 ///
 /// The reason why it cannot be read, as a clause for use in a message.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
-    let file = File::open(path).map_err(|error| reason(&error))?;
+    // Windows cannot open a folder, and reports that access is denied
+    let is_folder = || "it is a folder".to_owned();
+    let file = File::open(path).map_err(|error| if path.is_dir() { is_folder() } else { reason(&error) })?;
     let metadata = file.metadata().map_err(|error| reason(&error))?;
     if metadata.is_dir() {
-        return Err("it is a folder".to_owned());
+        return Err(is_folder());
     }
     match metadata.len() > MAX_FILE_BYTES {
         true => Err(too_large()),

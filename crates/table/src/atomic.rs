@@ -16,8 +16,8 @@ use crate::TableError;
 /// failed write, so that an interrupted or failed run leaves no partial file. A killed process leaves the hidden file
 /// `.NAME.PID-N.tmp`, but never a damaged target.
 ///
-/// Symbolic links are followed. A target that is not a regular file, such as `/dev/null` or a named pipe, is written directly. An
-/// existing target keeps its permissions.
+/// Symbolic links are followed. A target that is not a regular file, such as `/dev/null`, `NUL` on Windows, or a named pipe, is
+/// written directly. An existing target keeps its permissions.
 ///
 /// Writes are buffered. The file is not synced to disk: `finish` protects against failures of the program, not of the machine.
 ///
@@ -163,6 +163,10 @@ impl Drop for AtomicFile {
 
 fn create_error(target: &Path, error: io::Error) -> TableError {
     let folder = folder_of(target);
+    // Windows reports the same error for both
+    if error.kind() == io::ErrorKind::NotFound && folder.ancestors().any(Path::is_file) {
+        return TableError::io("create", target, io::ErrorKind::NotADirectory.into());
+    }
     if error.kind() == io::ErrorKind::NotFound && !folder.exists() {
         let missing = format!("the folder {} does not exist. Create it first", folder.display());
         return TableError::io("create", target, io::Error::other(missing));
@@ -172,6 +176,12 @@ fn create_error(target: &Path, error: io::Error) -> TableError {
 
 fn open(target: &Path) -> io::Result<(File, Destination)> {
     let Ok(metadata) = fs::metadata(target) else {
+        // devices of Windows, such as NUL, have no metadata
+        if cfg!(windows)
+            && let Ok(device) = OpenOptions::new().write(true).open(target)
+        {
+            return Ok((device, Destination::Direct));
+        }
         return open_temporary(resolve_link(target));
     };
     if metadata.is_dir() {

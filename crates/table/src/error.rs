@@ -84,6 +84,9 @@ impl TableError {
     }
 
     pub(crate) fn io(action: &'static str, path: &Path, error: io::Error) -> Self {
+        // Windows cannot open a folder, or rename a file to one, and reports that access is denied
+        let is_folder = error.kind() == io::ErrorKind::PermissionDenied && path.is_dir();
+        let error = if is_folder { io::ErrorKind::IsADirectory.into() } else { error };
         Self::Io { action, path: path.display().to_string(), error }
     }
 

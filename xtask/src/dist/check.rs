@@ -98,6 +98,8 @@ fn sdist(dist: &mut Dist<'_>, archive: &Path) -> Result<String, String> {
     let sysroot = process::output(Command::new("rustc").args(["--print", "sysroot"]))?;
     let mut pip = python.program("python")?;
     pip.args(["-m", "pip", "install", "--no-index", "--no-build-isolation", "--no-deps", "--verbose"])
+        // the wheel of a build without optimisation must not be found by anybody else
+        .arg("--no-cache-dir")
         .arg(&sources);
     let cut_off = process::output(Command::new("unshare").args(["--net", "true"])).is_ok();
     let mut pip = if cut_off { inside("unshare", &["--net"], &pip) } else { pip };

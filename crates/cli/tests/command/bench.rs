@@ -3,7 +3,7 @@
 use serde_json::Value;
 use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -189,7 +189,7 @@ pub const RAYS: &str = "ox,oy,oz,dx,dy,dz\n";
 
 /// True if the folder contains a file whose name contains `part`.
 #[cfg(target_os = "linux")]
-pub fn holds(folder: &Path, part: &str) -> bool {
+pub fn holds(folder: &std::path::Path, part: &str) -> bool {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).any(|name| name.contains(part))
 }

@@ -1,7 +1,7 @@
 //! Temporary folder for a test.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::{MAIN_SEPARATOR, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// An empty folder, removed with its contents on drop.
@@ -23,10 +23,6 @@ impl Folder {
         self.path.join(name)
     }
 
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// The names of the files, sorted.
     pub fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(&self.path).unwrap();
@@ -43,7 +39,8 @@ impl Folder {
 
     /// The text of an error without this folder's path.
     pub fn text_of(&self, error: &impl ToString) -> String {
-        error.to_string().replace(&format!("{}/", self.path.display()), "")
+        let place = format!("{}{}", self.path.display(), MAIN_SEPARATOR);
+        error.to_string().replace(&place, "")
     }
 }
 
