@@ -1,0 +1,209 @@
+//! A rule for skin surfaces that act where another volume begins: a volume without a skin behind the skin of its mother, or of a
+//! volume beside it.
+
+use super::state::Lint;
+use super::volumes::listed;
+use crate::detector::properties::Owner;
+use rayweave_error::Message;
+use rayweave_scene::Datum;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+
+/// A skin surface with its volume.
+#[derive(Clone, Copy)]
+struct Skin<'a> {
+    name: &'a str,
+    /// The number of the optical surface.
+    surface: usize,
+    volume: &'a str,
+}
+
+impl<'a> Lint<'a> {
+    /// Opaque skins that act on volumes without a skin, as in Geant4: on daughters that light can enter or that contain sensors,
+    /// and on sensors beside the volume.
+    pub(super) fn closed_volumes(&mut self) {
+        let skins = self.skins();
+        let mut found = Vec::new();
+        for row in self.table.list("skin") {
+            let name = row.text("name");
+            let Some(surface) = self.optics.surfaces.iter().position(|own| own.name == row.text("surface"))
+            else {
+                continue;
+            };
+            for volume in row.list("volume").filter_map(Datum::as_text) {
+                // of several skins of a volume the first one counts
+                if skins.get(volume).is_none_or(|(first, _)| *first != name) {
+                    continue;
+                }
+                let skin = Skin { name, surface, volume };
+                let messages = self.closed_daughters(skin, &skins).into_iter();
+                let messages = messages.chain(self.closed_neighbours(skin, &skins));
+                found.extend(messages.map(|message| (Owner::new("skin", name), message)));
+            }
+        }
+        found.into_iter().for_each(|(owner, message)| self.find(&owner, "", message));
+    }
+
+    /// Messages about the daughters of a volume that its skin closes.
+    fn closed_daughters(&self, skin: Skin<'_>, skins: &HashMap<&str, (&str, &str)>) -> Vec<Message> {
+        let mut messages = Vec::new();
+        for (daughter, placements) in self.daughters(skin.volume) {
+            if skins.contains_key(daughter) || !self.is_closed(skin, daughter) {
+                continue;
+            }
+            let open = self.borders_from(skin.volume);
+            let closed: BTreeSet<&str> =
+                placements.iter().copied().filter(|name| !open.contains(name)).collect();
+            let has_sensor = self.contains_sensor(daughter);
+            if closed.is_empty() || !has_sensor && !self.is_clear_volume(daughter) {
+                continue;
+            }
+            let (volume, surface) = (skin.volume, &self.optics.surfaces[skin.surface].name);
+            let which = match closed.len() == placements.len() || closed.contains("") {
+                true => String::new(),
+                false => format!(" at the placements {}", listed(closed.iter().copied())),
+            };
+            let sensor = if has_sensor { ", which contains a sensor" } else { "" };
+            let problem = format!(
+                "skin surface `{}` of volume `{volume}` lets no light from it into its daughter `{daughter}`{sensor}",
+                skin.name
+            );
+            let reason = format!(
+                "`{daughter}` has no skin, so that the skin of its mother acts{which} as well, as in Geant4, and nothing passes \
+                 `{surface}`"
+            );
+            let advice = format!(
+                "If only the outside of `{volume}` is meant, make `{surface}` the skin of a volume around `{volume}` instead, or give \
+                 `{daughter}` a skin that is a bare interface (polished, dielectric_dielectric, without properties)."
+            );
+            messages.push(Message::new(problem, reason).suggest(advice));
+        }
+        messages
+    }
+
+    /// Messages about sensors beside a volume, whose skin closes them.
+    fn closed_neighbours(&self, skin: Skin<'_>, skins: &HashMap<&str, (&str, &str)>) -> Vec<Message> {
+        let front = self.regions_of(skin.volume);
+        let nested = &self.optics.volumes.nested;
+        let mut volumes: Vec<&str> = self.optics.volumes.regions.keys().map(String::as_str).collect();
+        volumes.sort_unstable();
+        let mut messages = Vec::new();
+        for volume in volumes {
+            // a sensor without an index detects nothing but by a surface: that is another rule
+            let is_sensor = self.contains_sensor(volume) && self.is_clear_volume(volume);
+            if !is_sensor || skins.contains_key(volume) || !self.is_opaque_before(skin, volume) {
+                continue;
+            }
+            let own = self.regions_of(volume);
+            let closed = self.contacts.iter().any(|((before, after), surfaces)| {
+                let is_beside = !nested.contains(&(*before, *after)) && !nested.contains(&(*after, *before));
+                let is_between = front.contains(before) && own.contains(after);
+                let only = surfaces.len() == 1 && surfaces.contains(&Some(skin.surface));
+                is_between && is_beside && only && self.is_clear(*before)
+            });
+            if !closed {
+                continue;
+            }
+            let surface = &self.optics.surfaces[skin.surface].name;
+            let problem = format!(
+                "skin surface `{}` of volume `{}` lets no light from it into the sensor `{volume}`, which touches it",
+                skin.name, skin.volume
+            );
+            let reason = format!(
+                "between volumes beside each other the skin of the volume in front comes first, as in Geant4, and nothing passes \
+                 `{surface}`"
+            );
+            let (from, to) = (self.placements_of(skin.volume), self.placements_of(volume));
+            let advice = format!(
+                "Add a border surface from {from} to {to}, for example a bare interface (polished, dielectric_dielectric, without \
+                 properties)."
+            );
+            messages.push(Message::new(problem, reason).suggest(advice));
+        }
+        messages
+    }
+
+    /// True if light from a volume reaches its daughter, and the skin of the volume stops all of it there.
+    fn is_closed(&self, skin: Skin<'_>, daughter: &str) -> bool {
+        let (outer, inner) = (self.regions_of(skin.volume), self.regions_of(daughter));
+        let clear = |region: &&u32| self.is_clear(**region);
+        if !self.is_opaque_before(skin, daughter) || !outer.iter().any(|region| clear(&region)) {
+            return false;
+        }
+        // the daughter itself is the detector
+        if self.optics.surfaces[skin.surface].detects() && self.is_sensor(daughter) {
+            return false;
+        }
+        let into = || self.contacts.iter().filter(|((_, after), _)| inner.contains(after));
+        let mut from_mother = into().filter(|((before, _), _)| outer.contains(before));
+        // a daughter that no line has entered counts as touching its mother; one that another daughter surrounds does not
+        from_mother.any(|(_, surfaces)| surfaces.contains(&Some(skin.surface))) || into().next().is_none()
+    }
+
+    /// True if nothing passes a skin between its volume and another one.
+    fn is_opaque_before(&self, skin: Skin<'_>, volume: &str) -> bool {
+        let media = |volume: &str| -> BTreeSet<Option<usize>> {
+            self.regions_of(volume).into_iter().map(|region| self.medium(region)).collect()
+        };
+        let is_same = media(skin.volume) == media(volume);
+        self.optics.surfaces[skin.surface].is_opaque(is_same)
+    }
+
+    fn is_clear_volume(&self, volume: &str) -> bool {
+        self.regions_of(volume).into_iter().any(|region| self.is_clear(region))
+    }
+
+    fn is_sensor(&self, volume: &str) -> bool {
+        let is_sensitive =
+            |region: u32| self.optics.sensors.get(region as usize).is_some_and(Option::is_some);
+        self.regions_of(volume).into_iter().any(is_sensitive)
+    }
+
+    /// True if a volume or one within it is sensitive, or has a skin with an efficiency.
+    fn contains_sensor(&self, volume: &str) -> bool {
+        let skins = self.skins();
+        let detects = |volume: &str| {
+            let surface = skins.get(volume).map(|(_, surface)| *surface);
+            let mut surfaces = self.optics.surfaces.iter();
+            surfaces.any(|own| Some(own.name.as_str()) == surface && own.detects())
+        };
+        let (mut waiting, mut seen) = (vec![volume.to_owned()], HashSet::new());
+        while let Some(volume) = waiting.pop() {
+            if self.is_sensor(&volume) || detects(&volume) {
+                return true;
+            }
+            if seen.insert(volume.clone()) {
+                waiting.extend(self.daughters(&volume).into_keys().map(str::to_owned));
+            }
+        }
+        false
+    }
+
+    /// The daughters of a volume with the names of their placements. The daughters of an assembly are those of the volume around it.
+    fn daughters(&self, volume: &str) -> BTreeMap<&'a str, BTreeSet<&'a str>> {
+        let row = |name: &str| self.table.list("volume").find(|row| row.text("name") == name);
+        let mut daughters: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+        let (mut waiting, mut seen) = (Vec::from_iter(row(volume)), HashSet::new());
+        while let Some(own) = waiting.pop() {
+            for daughter in own.list("daughters") {
+                let name = daughter.text("volume");
+                if self.regions_of(name).is_empty() {
+                    waiting.extend(row(name).filter(|_| seen.insert(name)));
+                    continue;
+                }
+                daughters.entry(name).or_default().insert(daughter.text("name"));
+            }
+        }
+        daughters
+    }
+
+    /// The placements behind the border surfaces whose first placement is one of a volume.
+    fn borders_from(&self, volume: &str) -> HashSet<&'a str> {
+        let is_own = |placement: &str| {
+            let list = self.optics.volumes.placements.get(placement);
+            list.into_iter().flatten().any(|own| own.volume == volume)
+        };
+        let pairs = self.table.list("border").map(|row| row.list("placements").filter_map(Datum::as_text));
+        let pairs = pairs.map(Iterator::collect::<Vec<&str>>);
+        pairs.filter(|pair| pair.len() == 2 && is_own(pair[0])).map(|pair| pair[1]).collect()
+    }
+}
