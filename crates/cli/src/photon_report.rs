@@ -112,9 +112,10 @@ impl PhotonReport {
         let row = |(path, count): &(String, u64)| {
             let part = 100.0 * *count as f64 / self.hits.max(1) as f64;
             let [fraction, error] = self.fraction(*count).map(|part| 100.0 * part);
-            // two digits of the error
-            let digits = if error > 0.0 { (1.0 - error.log10().floor()).clamp(0.0, 9.0) as usize } else { 2 };
-            let [fraction, error] = [fraction, error].map(|part| format!("{part:.digits$}"));
+            // two digits of the error; a sensor without hits has no estimate of it
+            let digits = if error > 0.0 { (1.0 - error.log10().floor()).clamp(0.0, 9.0) as usize } else { 0 };
+            let fraction = format!("{fraction:.digits$}");
+            let error = if error > 0.0 { format!("{error:.digits$}") } else { "-".to_owned() };
             vec![path.clone(), count.to_string(), format!("{part:.2}"), fraction, error]
         };
         let rows: Vec<Vec<String>> = self.sensors.iter().take(LISTED_SENSORS).map(row).collect();
@@ -136,16 +137,14 @@ impl PhotonReport {
         if self.hits == 0 && photons >= MANY {
             remarks.push(match mistakes() {
                 0 => format!(
-                    "note: no photon is detected, and `rayweave check {model}` reports no mistake in properties, surfaces and \
-                     sensors. --counts reports the surfaces that photons reach, --sequences their histories."
+                    "note: no photon is detected, and `rayweave check {model}` reports no probable mistake of kind `optical`. \
+                     --counts reports the surfaces that photons reach, --sequences their histories."
                 ),
                 1 => format!(
-                    "note: no photon is detected. `rayweave check {model}` reports a probable mistake in properties, surfaces or \
-                     sensors."
+                    "note: no photon is detected. `rayweave check {model}` reports 1 probable mistake of kind `optical`."
                 ),
                 n => format!(
-                    "note: no photon is detected. `rayweave check {model}` reports {n} probable mistakes in properties, surfaces \
-                     and sensors."
+                    "note: no photon is detected. `rayweave check {model}` reports {n} probable mistakes of kind `optical`."
                 ),
             });
         }
