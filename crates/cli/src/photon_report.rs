@@ -113,7 +113,8 @@ impl PhotonReport {
             let part = 100.0 * *count as f64 / self.hits.max(1) as f64;
             let [fraction, error] = self.fraction(*count).map(|part| 100.0 * part);
             // two digits of the error; a sensor without hits has no estimate of it
-            let digits = if error > 0.0 { (1.0 - error.log10().floor()).clamp(0.0, 9.0) as usize } else { 0 };
+            let place = if error > 0.0 { 1.0 - libm::log10(error).floor() } else { 0.0 };
+            let digits = place.clamp(0.0, 9.0) as usize;
             let fraction = format!("{fraction:.digits$}");
             let error = if error > 0.0 { format!("{error:.digits$}") } else { "-".to_owned() };
             vec![path.clone(), count.to_string(), format!("{part:.2}"), fraction, error]

@@ -19,7 +19,7 @@ struct Skin<'a> {
 
 impl<'a> Lint<'a> {
     /// Opaque skins that act on volumes without a skin, as in Geant4: on daughters that light can enter or that contain sensors,
-    /// and on sensors beside the volume.
+    /// and on sensors beside the volume and their windows.
     pub(super) fn closed_volumes(&mut self) {
         let skins = self.skins();
         let mut found = Vec::new();
@@ -80,7 +80,7 @@ impl<'a> Lint<'a> {
         messages
     }
 
-    /// Messages about sensors beside a volume, whose skin closes them.
+    /// Messages about sensors beside a volume, and windows in front of sensors, which its skin closes.
     fn closed_neighbours(&self, skin: Skin<'_>, skins: &HashMap<&str, (&str, &str)>) -> Vec<Message> {
         let front = self.regions_of(skin.volume);
         let nested = &self.optics.volumes.nested;
@@ -88,11 +88,20 @@ impl<'a> Lint<'a> {
         volumes.sort_unstable();
         let mut messages = Vec::new();
         for volume in volumes {
-            // a sensor without an index detects nothing but by a surface: that is another rule
-            let is_sensor = self.contains_sensor(volume) && self.is_clear_volume(volume);
-            if !is_sensor || skins.contains_key(volume) || !self.is_opaque_before(skin, volume) {
+            if skins.contains_key(volume)
+                || !self.is_clear_volume(volume)
+                || !self.is_opaque_before(skin, volume)
+            {
                 continue;
             }
+            // a sensor without an index detects nothing but by a surface: that is another rule
+            let what = match (self.contains_sensor(volume), self.sensor_behind(skin.volume, volume)) {
+                (true, _) => format!("the sensor `{volume}`, which it touches"),
+                (false, Some(sensor)) => {
+                    format!("`{volume}`, which it touches, the only way of light to the sensor `{sensor}`")
+                }
+                (false, None) => continue,
+            };
             let own = self.regions_of(volume);
             let closed = self.contacts.iter().any(|((before, after), surfaces)| {
                 let is_beside = !nested.contains(&(*before, *after)) && !nested.contains(&(*after, *before));
@@ -105,7 +114,7 @@ impl<'a> Lint<'a> {
             }
             let surface = &self.optics.surfaces[skin.surface].name;
             let problem = format!(
-                "skin surface `{}` of volume `{}` lets no light from it into the sensor `{volume}`, which touches it",
+                "skin surface `{}` of volume `{}` lets no light from it into {what}",
                 skin.name, skin.volume
             );
             let reason = format!(
@@ -120,6 +129,28 @@ impl<'a> Lint<'a> {
             messages.push(Message::new(problem, reason).suggest(advice));
         }
         messages
+    }
+
+    /// The name of a sensor that light enters from a volume alone, as far as lines have found contacts: a window or a layer of grease
+    /// in front of it. Sensors that touch the volume `front` directly do not count.
+    fn sensor_behind(&self, front: &str, volume: &str) -> Option<&str> {
+        let (front, own) = (self.regions_of(front), self.regions_of(volume));
+        let detects = |after: u32, surfaces: &BTreeSet<Option<usize>>| {
+            let is_detecting =
+                |surface: &Option<usize>| surface.is_some_and(|k| self.optics.surfaces[k].detects());
+            self.optics.sensors.get(after as usize).is_some_and(Option::is_some) && self.is_clear(after)
+                || surfaces.iter().any(is_detecting)
+        };
+        let lit = || self.contacts.iter().filter(|((before, _), _)| self.is_clear(*before));
+        let is_alone = |after: u32| {
+            let mut into = lit().filter(|((_, own), _)| *own == after);
+            into.all(|((before, _), _)| own.contains(before))
+        };
+        let mut behind = lit().filter(|((before, after), surfaces)| {
+            let is_behind = own.contains(before) && !own.contains(after) && !front.contains(after);
+            is_behind && detects(*after, surfaces) && is_alone(*after)
+        });
+        behind.next().map(|((_, after), _)| self.region_name(*after))
     }
 
     /// True if light from a volume reaches its daughter, and the skin of the volume stops all of it there.

@@ -131,9 +131,44 @@ fn a_skin_closes_a_sensor_beside_it() {
     let links = skin("wrap", "Paint", "Tank") + &skin("glass", "Bare", "Pmt");
     assert_eq!(hits(&text(&links)), 0);
     let [one] = closed(&text(&links)).try_into().unwrap();
-    let problem = "skin surface `wrap` of volume `Tank` lets no light from it into the sensor `Window`, which touches it";
+    let problem = "skin surface `wrap` of volume `Tank` lets no light from it into the sensor `Window`, which it touches";
     assert!(one.contains(problem) && one.contains("from `tank` to `window`"), "{one}");
     let cured = text(&(links + &border("tank", "window")));
+    assert!(hits(&cured) > 100);
+    assert_eq!(closed(&cured), Vec::<String>::new());
+}
+
+/// A wrapped crystal, a layer of grease on it and an opaque sensor with a photocathode behind the grease: beside each other.
+#[test]
+fn a_skin_closes_the_window_of_a_sensor() {
+    let text = |links: &str| {
+        let volumes = r#"<volume name="Grease"><materialref ref="Glass"/><solidref ref="Plate"/></volume>
+<volume name="Diode"><materialref ref="Steel"/><solidref ref="Plate"/><auxiliary auxtype="SensDet" auxvalue="d"/></volume>
+<volume name="Shell">"#;
+        let placed = |name: &str, volume: &str, z: u32| {
+            format!(
+                r#"<physvol name="{name}"><volumeref ref="{volume}"/><position name="{name}At" z="{z}" unit="mm"/></physvol>"#
+            )
+        };
+        let placed =
+            placed("grease", "Grease", 101) + &placed("diode", "Diode", 103) + r#"<physvol name="tank">"#;
+        tank(links, "")
+            .replace(r#"<volume name="Shell">"#, volumes)
+            .replace(r#"<physvol name="tank">"#, &placed)
+            .replace(
+                "<orb name=\"Bulb\"",
+                "<box name=\"Plate\" x=\"200\" y=\"200\" z=\"2\" lunit=\"mm\"/><orb name=\"Bulb\"",
+            )
+    };
+    let links = skin("wrap", "Paint", "Tank")
+        + &skin("glass", "Bare", "Pmt")
+        + &skin("diode", "Photocathode", "Diode");
+    assert_eq!(hits(&text(&links)), 0);
+    let [one] = closed(&text(&links)).try_into().unwrap();
+    let problem =
+        "lets no light from it into `Grease`, which it touches, the only way of light to the sensor `Diode`";
+    assert!(one.contains(problem) && one.contains("from `tank` to `grease`"), "{one}");
+    let cured = text(&(links + &border("tank", "grease")));
     assert!(hits(&cured) > 100);
     assert_eq!(closed(&cured), Vec::<String>::new());
 }
