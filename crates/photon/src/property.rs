@@ -170,7 +170,7 @@ pub fn group_velocity(index: &PropertyTable) -> PropertyTable {
 }
 
 /// The cumulative distribution of an emission spectrum, by the trapezoidal rule and linear between its points, as in Geant4
-/// (`G4Scintillation::BuildInverseCdfTable` and `G4OpWLS::BuildPhysicsTable`): the density between two points of the table is constant, the
+/// (`BuildPhysicsTable` of `G4Scintillation` and `G4OpWLS`): the density between two points of the table is constant, the
 /// mean of their values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
