@@ -4,6 +4,7 @@
 use super::state::Lint;
 use super::volumes::listed;
 use crate::detector::properties::Owner;
+use crate::surface::OpticalSurface;
 use rayweave_error::Message;
 use rayweave_scene::Datum;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -17,26 +18,38 @@ struct Skin<'a> {
     volume: &'a str,
 }
 
+/// The parts of the file by the names of the volumes.
+struct ByVolume<'a> {
+    /// The skins: their names and surfaces.
+    skins: HashMap<&'a str, (&'a str, &'a str)>,
+    /// The rows of the volumes.
+    rows: HashMap<&'a str, &'a Datum>,
+}
+
 impl<'a> Lint<'a> {
     /// Opaque skins that act on volumes without a skin, as in Geant4: on daughters that light can enter or that contain sensors,
     /// and on sensors beside the volume and their windows.
     pub(super) fn closed_volumes(&mut self) {
-        let skins = self.skins();
+        let table: &'a Datum = self.table;
+        let rows = table.list("volume").map(|row| (row.text("name"), row)).collect();
+        let by_volume = ByVolume { skins: self.skins(), rows };
         let mut found = Vec::new();
         for row in self.table.list("skin") {
             let name = row.text("name");
-            let Some(surface) = self.optics.surfaces.iter().position(|own| own.name == row.text("surface"))
-            else {
+            let named = |own: &OpticalSurface| own.name == row.text("surface");
+            let Some(surface) = self.optics.surfaces.iter().position(named) else { continue };
+            // what passes between different materials passes between equal ones as well
+            if !self.optics.surfaces[surface].is_opaque(false) {
                 continue;
-            };
+            }
             for volume in row.list("volume").filter_map(Datum::as_text) {
                 // of several skins of a volume the first one counts
-                if skins.get(volume).is_none_or(|(first, _)| *first != name) {
+                if by_volume.skins.get(volume).is_none_or(|(first, _)| *first != name) {
                     continue;
                 }
                 let skin = Skin { name, surface, volume };
-                let messages = self.closed_daughters(skin, &skins).into_iter();
-                let messages = messages.chain(self.closed_neighbours(skin, &skins));
+                let messages = self.closed_daughters(skin, &by_volume).into_iter();
+                let messages = messages.chain(self.closed_neighbours(skin, &by_volume));
                 found.extend(messages.map(|message| (Owner::new("skin", name), message)));
             }
         }
@@ -44,16 +57,16 @@ impl<'a> Lint<'a> {
     }
 
     /// Messages about the daughters of a volume that its skin closes.
-    fn closed_daughters(&self, skin: Skin<'_>, skins: &HashMap<&str, (&str, &str)>) -> Vec<Message> {
+    fn closed_daughters(&self, skin: Skin<'_>, by_volume: &ByVolume<'_>) -> Vec<Message> {
         let mut messages = Vec::new();
-        for (daughter, placements) in self.daughters(skin.volume) {
-            if skins.contains_key(daughter) || !self.is_closed(skin, daughter) {
+        for (daughter, placements) in self.daughters(skin.volume, by_volume) {
+            if by_volume.skins.contains_key(daughter) || !self.is_closed(skin, daughter) {
                 continue;
             }
             let open = self.borders_from(skin.volume);
             let closed: BTreeSet<&str> =
                 placements.iter().copied().filter(|name| !open.contains(name)).collect();
-            let has_sensor = self.contains_sensor(daughter);
+            let has_sensor = self.contains_sensor(daughter, by_volume);
             if closed.is_empty() || !has_sensor && !self.is_clear_volume(daughter) {
                 continue;
             }
@@ -81,37 +94,41 @@ impl<'a> Lint<'a> {
     }
 
     /// Messages about sensors beside a volume, and windows in front of sensors, which its skin closes.
-    fn closed_neighbours(&self, skin: Skin<'_>, skins: &HashMap<&str, (&str, &str)>) -> Vec<Message> {
+    fn closed_neighbours(&self, skin: Skin<'_>, by_volume: &ByVolume<'_>) -> Vec<Message> {
         let front = self.regions_of(skin.volume);
         let nested = &self.optics.volumes.nested;
-        let mut volumes: Vec<&str> = self.optics.volumes.regions.keys().map(String::as_str).collect();
+        let closed = self.contacts.iter().filter(|((before, after), surfaces)| {
+            let is_beside = !nested.contains(&(*before, *after)) && !nested.contains(&(*after, *before));
+            let only = surfaces.len() == 1 && surfaces.contains(&Some(skin.surface));
+            front.contains(before) && is_beside && only && self.is_clear(*before)
+        });
+        let closed: BTreeSet<u32> = closed.map(|((_, after), _)| *after).collect();
+        if closed.is_empty() {
+            return Vec::new();
+        }
+        let touches = |regions: &Vec<u32>| regions.iter().any(|region| closed.contains(region));
+        let volumes = self.optics.volumes.regions.iter().filter(|(_, regions)| touches(regions));
+        let mut volumes: Vec<&str> = volumes.map(|(name, _)| name.as_str()).collect();
         volumes.sort_unstable();
         let mut messages = Vec::new();
         for volume in volumes {
-            if skins.contains_key(volume)
+            if by_volume.skins.contains_key(volume)
                 || !self.is_clear_volume(volume)
                 || !self.is_opaque_before(skin, volume)
             {
                 continue;
             }
             // a sensor without an index detects nothing but by a surface: that is another rule
-            let what = match (self.contains_sensor(volume), self.sensor_behind(skin.volume, volume)) {
-                (true, _) => format!("the sensor `{volume}`, which it touches"),
-                (false, Some(sensor)) => {
-                    format!("`{volume}`, which it touches, the only way of light to the sensor `{sensor}`")
-                }
-                (false, None) => continue,
-            };
-            let own = self.regions_of(volume);
-            let closed = self.contacts.iter().any(|((before, after), surfaces)| {
-                let is_beside = !nested.contains(&(*before, *after)) && !nested.contains(&(*after, *before));
-                let is_between = front.contains(before) && own.contains(after);
-                let only = surfaces.len() == 1 && surfaces.contains(&Some(skin.surface));
-                is_between && is_beside && only && self.is_clear(*before)
-            });
-            if !closed {
-                continue;
-            }
+            let what =
+                match (self.contains_sensor(volume, by_volume), self.sensor_behind(skin.volume, volume)) {
+                    (true, _) => format!("the sensor `{volume}`, which it touches"),
+                    (false, Some(sensor)) => {
+                        format!(
+                            "`{volume}`, which it touches, the only way of light to the sensor `{sensor}`"
+                        )
+                    }
+                    (false, None) => continue,
+                };
             let surface = &self.optics.surfaces[skin.surface].name;
             let problem = format!(
                 "skin surface `{}` of volume `{}` lets no light from it into {what}",
@@ -190,10 +207,9 @@ impl<'a> Lint<'a> {
     }
 
     /// True if a volume or one within it is sensitive, or has a skin with an efficiency.
-    fn contains_sensor(&self, volume: &str) -> bool {
-        let skins = self.skins();
+    fn contains_sensor(&self, volume: &str, by_volume: &ByVolume<'_>) -> bool {
         let detects = |volume: &str| {
-            let surface = skins.get(volume).map(|(_, surface)| *surface);
+            let surface = by_volume.skins.get(volume).map(|(_, surface)| *surface);
             let mut surfaces = self.optics.surfaces.iter();
             surfaces.any(|own| Some(own.name.as_str()) == surface && own.detects())
         };
@@ -203,15 +219,15 @@ impl<'a> Lint<'a> {
                 return true;
             }
             if seen.insert(volume.clone()) {
-                waiting.extend(self.daughters(&volume).into_keys().map(str::to_owned));
+                waiting.extend(self.daughters(&volume, by_volume).into_keys().map(str::to_owned));
             }
         }
         false
     }
 
     /// The daughters of a volume with the names of their placements. The daughters of an assembly are those of the volume around it.
-    fn daughters(&self, volume: &str) -> BTreeMap<&'a str, BTreeSet<&'a str>> {
-        let row = |name: &str| self.table.list("volume").find(|row| row.text("name") == name);
+    fn daughters<'t>(&self, volume: &str, by_volume: &ByVolume<'t>) -> BTreeMap<&'t str, BTreeSet<&'t str>> {
+        let row = |name: &str| by_volume.rows.get(name).copied();
         let mut daughters: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
         let (mut waiting, mut seen) = (Vec::from_iter(row(volume)), HashSet::new());
         while let Some(own) = waiting.pop() {
