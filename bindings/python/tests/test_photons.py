@@ -152,6 +152,16 @@ def test_maps_have_a_number_of_cells(bar):
         hits.plot(bins=0)
 
 
+def test_maps_have_a_plane(bar):
+    hits = bar.simulate(from_middle(), n=2000).hits
+    # the diode lies across z
+    assert "x / mm" in hits.plot().svg and "z / mm" not in hits.plot().svg
+    assert "z / mm" in hits.plot("yz").svg and "x / mm" not in hits.plot(plane="yz").svg
+    assert "cos theta" in hits.plot("sphere").svg
+    with pytest.raises(ValueError, match="`zx` is not a plane of hit maps: it must be yz, xz, xy or sphere"):
+        hits.plot("zx")
+
+
 def test_whole_floats_and_warnings(bar):
     assert bar.simulate(from_middle(), 1e2).photons == 100
     with pytest.raises(TypeError, match="n is 1.5: it must be a whole number"):

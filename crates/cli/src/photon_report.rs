@@ -99,14 +99,29 @@ impl PhotonReport {
         }
     }
 
+    /// The fraction of the photons that a sensor with a number of hits detects, and its statistical error: the standard deviation of
+    /// a binomial distribution, sqrt(p (1 - p) / n).
+    fn fraction(&self, hits: u64) -> [f64; 2] {
+        let photons = self.run.photons.max(1) as f64;
+        let fraction = hits as f64 / photons;
+        [fraction, (fraction * (1.0 - fraction) / photons).max(0.0).sqrt()]
+    }
+
     /// The table of the hits by sensor: the first sensors, in the order of the detector.
     fn sensor_table(&self) -> String {
         let row = |(path, count): &(String, u64)| {
             let part = 100.0 * *count as f64 / self.hits.max(1) as f64;
-            vec![path.clone(), count.to_string(), format!("{part:.2}")]
+            let [fraction, error] = self.fraction(*count).map(|part| 100.0 * part);
+            // two digits of the error; a sensor without hits has no estimate of it
+            let place = if error > 0.0 { 1.0 - libm::log10(error).floor() } else { 0.0 };
+            let digits = place.clamp(0.0, 9.0) as usize;
+            let fraction = format!("{fraction:.digits$}");
+            let error = if error > 0.0 { format!("{error:.digits$}") } else { "-".to_owned() };
+            vec![path.clone(), count.to_string(), format!("{part:.2}"), fraction, error]
         };
         let rows: Vec<Vec<String>> = self.sensors.iter().take(LISTED_SENSORS).map(row).collect();
-        let mut text = terminal::table(&["sensor", "hits", "% of hits"], &rows, &[false, true, true]) + "\n";
+        let header = ["sensor", "hits", "% of hits", "% of photons", "+/-"];
+        let mut text = terminal::table(&header, &rows, &[false, true, true, true, true]) + "\n";
         let rest = self.sensors.iter().skip(LISTED_SENSORS);
         if rest.len() > 0 {
             let hits: u64 = rest.clone().map(|(_, count)| count).sum();
@@ -115,14 +130,24 @@ impl PhotonReport {
         text
     }
 
-    /// Remarks about a run that probably does not answer the question of its user.
-    pub fn remarks(&self, model: &str) -> Vec<String> {
+    /// Remarks about a run that probably does not answer the question of its user. `mistakes` counts the probable mistakes in the
+    /// optical part of the model, if no photon is detected.
+    pub fn remarks(&self, model: &str, mistakes: impl FnOnce() -> usize) -> Vec<String> {
         let photons = self.run.photons;
         let mut remarks = Vec::new();
         if self.hits == 0 && photons >= MANY {
-            remarks.push(format!(
-                "note: no photon is detected. `rayweave check {model}` reports surfaces and sensors that detect nothing."
-            ));
+            remarks.push(match mistakes() {
+                0 => format!(
+                    "note: no photon is detected, and `rayweave check {model}` reports no probable mistake of kind `optical`. \
+                     --counts reports the surfaces that photons reach, --sequences their histories."
+                ),
+                1 => format!(
+                    "note: no photon is detected. `rayweave check {model}` reports 1 probable mistake of kind `optical`."
+                ),
+                n => format!(
+                    "note: no photon is detected. `rayweave check {model}` reports {n} probable mistakes of kind `optical`."
+                ),
+            });
         }
         let stopped = *self.run.ends.get(&End::StepLimit).unwrap_or(&0);
         if 2 * stopped > photons {
@@ -140,6 +165,10 @@ impl PhotonReport {
             .iter()
             .map(|end| (end.name().to_owned(), json!(self.run.ends.get(end).unwrap_or(&0))))
             .collect();
+        let fraction = |(path, count): &(String, u64)| {
+            let [fraction, error] = self.fraction(*count);
+            (path.clone(), json!({ "fraction": fraction, "error": error }))
+        };
         let mut report = json!({
             "photons": self.run.photons,
             "hits": self.hits,
@@ -148,6 +177,7 @@ impl PhotonReport {
             "detection": self.detection,
             "ends": ends,
             "sensors": self.sensors.iter().map(|(path, count)| (path.clone(), json!(count))).collect::<Map<_, _>>(),
+            "sensor_fractions": self.sensors.iter().map(fraction).collect::<Map<_, _>>(),
         });
         if let Some(counts) = &self.counts {
             let processes = counts.processes.iter().map(|(process, n)| (process.name().to_owned(), json!(n)));

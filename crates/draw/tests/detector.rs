@@ -1,6 +1,6 @@
 //! Maps and histograms of hits.
 
-use rayweave_draw::detector::{Histogram, HitPositions, histograms_svg, hit_maps_svg};
+use rayweave_draw::detector::{Histogram, HitPositions, MapPlane, histograms_svg, hit_maps_svg};
 
 /// The heights of the bars of a drawing, in pixels.
 fn bars(drawing: &str) -> Vec<f64> {
@@ -21,18 +21,65 @@ fn maps_are_drawn_in_the_plane_of_the_hits() {
     let x = vec![5.0; 102];
     let sensors: Vec<u32> = (0..102).map(|k| u32::from(k >= 100)).collect();
     let names = ["wide".to_owned(), "small".to_owned(), "dark".to_owned()];
-    let hits = HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z], cells: None };
+    let hits =
+        HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z], cells: None, plane: None };
     let drawing = hit_maps_svg(hits, "a", "mm");
     assert!(drawing.contains("102 hits of 2 sensors") && !drawing.contains(">dark<"), "{drawing}");
-    for (panel, part) in
-        [("all sensors", "102 hits, 100.0 %"), ("wide", "100 hits, 98.0 %"), ("small", "2 hits, 2.0 %")]
-    {
+    for (panel, part) in [
+        ("all sensors", "102 hits, 100.0 %, projected along x"),
+        ("wide", "100 hits, 98.0 %"),
+        ("small", "2 hits, 2.0 %"),
+    ] {
         let at = drawing.find(&format!(">{panel}<")).unwrap();
         assert!(drawing[at..].contains(part), "{panel}");
     }
     assert_eq!(drawing.matches(">y / mm<").count(), 3);
     assert_eq!(drawing.matches(">z / mm<").count(), 3);
     assert_eq!(drawing.matches(">hits / mm\u{b2}<").count(), 3);
+}
+
+/// Square lattices of hits on the six faces of a cube, each in its own plane; with a plane, all maps are in that one.
+#[test]
+fn each_sensor_has_its_own_plane() {
+    let mut positions = [vec![], vec![], vec![]];
+    let mut sensors = Vec::new();
+    for face in 0..6u32 {
+        let (axis, side) = (face as usize / 2, if face % 2 == 0 { -50.0 } else { 50.0 });
+        for k in 0..100 {
+            let own = [side, f64::from(k % 10), f64::from(k / 10)];
+            (0..3).for_each(|j| positions[(axis + j) % 3].push(own[j]));
+            sensors.push(face);
+        }
+    }
+    let names: Vec<String> = (0..6).map(|face| format!("face {face}")).collect();
+    let [x, y, z] = &positions;
+    let hits =
+        HitPositions { names: &names, sensors: &sensors, positions: [x, y, z], cells: None, plane: None };
+    let drawing = hit_maps_svg(hits, "a", "mm");
+    let labels = |drawing: &str, face: u32| {
+        let at = drawing.find(&format!(">face {face}<")).unwrap();
+        let label = |name: &str| drawing[at..].find(&format!(">{name} / mm<")).unwrap_or(usize::MAX);
+        let mut names = ["x", "y", "z"];
+        // the two labels that follow first are those of the map
+        names.sort_by_key(|name| label(name));
+        let mut own = [names[0], names[1]];
+        own.sort_unstable();
+        own
+    };
+    for face in 0..6 {
+        assert_eq!(labels(&drawing, face), [["y", "z"], ["x", "z"], ["x", "y"]][face as usize / 2], "{face}");
+    }
+    // every face is seen from the front: 4 by 4 cells of equal area, 600 hits on 6 squares of 9 mm
+    assert!(drawing.contains("600 hits, 100.0 %, projected along"), "{drawing}");
+    let side = hit_maps_svg(HitPositions { plane: Some(MapPlane::Xz), ..hits }, "a", "mm");
+    for face in 0..6 {
+        assert_eq!(labels(&side, face), ["x", "z"], "{face}");
+    }
+    let sphere = hit_maps_svg(HitPositions { plane: Some("sphere".parse().unwrap()), ..hits }, "a", "mm");
+    assert!(sphere.contains(">cos theta<") && sphere.contains(">hits / sr<") && !sphere.contains(">face 0<"));
+    assert!(sphere.contains("600 hits, 100.0 %, seen from the origin"), "{sphere}");
+    let error = "zz".parse::<MapPlane>().unwrap_err();
+    assert_eq!(error.to_string(), "`zz` is not a plane of hit maps: it must be yz, xz, xy or sphere.");
 }
 
 #[test]
@@ -43,7 +90,8 @@ fn of_many_sensors_those_with_the_most_hits_have_maps() {
     let y: Vec<f64> = x.iter().map(|x| 7.0 * x % 13.0).collect();
     let z = vec![0.0; x.len()];
     let names: Vec<String> = (0..20).map(|k| format!("sensor {k}")).collect();
-    let hits = HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z], cells: None };
+    let hits =
+        HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z], cells: None, plane: None };
     let drawing = hit_maps_svg(hits, "a", "mm");
     assert!(drawing.contains("210 hits of 20 sensors; the 16 sensors with the most hits"), "{drawing}");
     for k in 0..20 {
@@ -58,10 +106,30 @@ fn of_many_sensors_those_with_the_most_hits_have_maps() {
 
 #[test]
 fn no_hits() {
-    let hits = HitPositions { names: &[], sensors: &[], positions: [&[]; 3], cells: None };
+    let hits = HitPositions { names: &[], sensors: &[], positions: [&[]; 3], cells: None, plane: None };
     assert!(hit_maps_svg(hits, "a", "mm").contains("no hits"));
     let empty = histograms_svg(&[histogram("time", &[])], "hits");
     assert!(empty.contains("no hits") && !empty.contains("class=\"axis\""), "{empty}");
+}
+
+/// 420 nm as wavelengths of photons: from nm to MeV and back. The bar begins at 420 and has a width of 0.5 nm.
+#[test]
+fn wavelengths_that_rounding_keeps_below_an_edge() {
+    const HC: f64 = 1.239_841_984_332_002_6e-3;
+    let values = [HC / (HC / 420.0); 100];
+    assert!(values[0] < 420.0);
+    // the drawings of equal numbers have equal bars, axes and ticks
+    let drawing = |values: &[f64]| histograms_svg(&[Histogram::new("wavelength", "nm", values)], "hits");
+    assert_eq!(drawing(&values), drawing(&[420.0; 100]));
+    // at the lower end of a given range, and at an edge within it
+    for range in [[420.0, 480.0], [400.0, 460.0]] {
+        let drawing = |values: &[f64]| {
+            let own =
+                Histogram { range: Some(range), bins: Some(6), ..Histogram::new("wavelength", "nm", values) };
+            histograms_svg(&[own], "hits")
+        };
+        assert_eq!(drawing(&values), drawing(&[420.0; 100]), "{range:?}");
+    }
 }
 
 /// Bins of a width of 0.2 with 20 values each, up to 10; one value is beyond the axis.

@@ -9,12 +9,29 @@ const LIGHT: [f64; 2] = [1e-7, 1e-4];
 
 /// A number with at most four significant digits.
 pub(crate) fn short(value: f64) -> String {
-    if value == 0.0 || !(1e-3..1e6).contains(&value.abs()) {
-        return format!("{value:.3e}").replace(".000e", "e");
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-3..1e6).contains(&value.abs()) {
+        return scientific(value);
     }
     let digits = (3.0 - libm::log10(value.abs()).floor()).max(0.0) as usize;
     let text = format!("{value:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// A number with an exponent and at most four significant digits, without zeros at their end.
+fn scientific(value: f64) -> String {
+    let text = format!("{value:.3e}");
+    let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    format!("{}e{exponent}", digits.trim_end_matches('0').trim_end_matches('.'))
+}
+
+/// Two numbers as a range, in one format: with exponents if one of them needs an exponent.
+pub(crate) fn short_range(ends: [f64; 2]) -> String {
+    let has_exponent = ends.map(short).iter().any(|text| text.contains('e'));
+    let [low, high] = ends.map(|end| if has_exponent && end != 0.0 { scientific(end) } else { short(end) });
+    format!("{low} to {high}")
 }
 
 /// The message about energies that are not those of light: numbers of another unit, taken as MeV.
@@ -42,7 +59,7 @@ pub(crate) fn foreign(owner: &Owner, name: &str, points: &[(f64, f64)]) -> Optio
         () => "Write energies with a unit, as in `3*eV`.",
     };
     let problem = format!("the energies of `{name}` of {owner} are not those of light");
-    let reason = format!("they are {} to {} eV", short(low * 1e6), short(high * 1e6));
+    let reason = format!("they are {} eV", short_range([low * 1e6, high * 1e6]));
     Some(Message::new(problem, reason).suggest(advice))
 }
 
@@ -66,4 +83,20 @@ pub(crate) fn all_foreign(table: &Datum) -> Vec<Message> {
         properties.find_map(|(name, datum)| foreign(&owner, name, &points(table, datum)))
     };
     all.filter_map(first).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_one_format() {
+        assert_eq!(
+            [2e6, 3.5e6, 1.2346e7, 1e-4, 420.0, 0.5, 0.0].map(short),
+            ["2e6", "3.5e6", "1.235e7", "1e-4", "420", "0.5", "0"]
+        );
+        assert_eq!(short_range([2e6, 3.5e6]), "2e6 to 3.5e6");
+        assert_eq!(short_range([2e5, 3.5e6]), "2e5 to 3.5e6");
+        assert_eq!(short_range([2.0, 3.5]), "2 to 3.5");
+    }
 }

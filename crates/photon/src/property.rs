@@ -169,7 +169,9 @@ pub fn group_velocity(index: &PropertyTable) -> PropertyTable {
     PropertyTable::from_columns(middles, speeds)
 }
 
-/// The cumulative distribution of an emission spectrum, by the trapezoidal rule.
+/// The cumulative distribution of an emission spectrum, by the trapezoidal rule and linear between its points, as in Geant4
+/// (`BuildPhysicsTable` of `G4Scintillation` and `G4OpWLS`): the density between two points of the table is constant, the
+/// mean of their values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
     energies: Vec<f64>,
@@ -266,6 +268,12 @@ mod tests {
     fn a_spectrum_is_sampled_by_its_quantiles() {
         let spectrum = Spectrum::new(&table(&[(2e-6, 1.0), (4e-6, 1.0)])).unwrap();
         assert!((spectrum.quantile(0.25, 1.0).unwrap() - 2.5e-6).abs() < 1e-18);
+        // a triangle: each side has its area at a constant density, so that its quantiles are linear in the fraction
+        let triangle = Spectrum::new(&table(&[(2.5e-6, 0.0), (2.9e-6, 1.0), (3.4e-6, 0.0)])).unwrap();
+        // 4/9 of the area lie below 2.9 eV
+        for (fraction, energy) in [(2.0 / 9.0, 2.7e-6), (4.0 / 9.0, 2.9e-6), (6.5 / 9.0, 3.15e-6)] {
+            assert!((triangle.quantile(fraction, 1.0).unwrap() - energy).abs() < 1e-18, "{energy}");
+        }
         // cut at 3 eV: the lower half is left
         assert!((spectrum.quantile(0.5, 3e-6).unwrap() - 2.5e-6).abs() < 1e-18);
         assert_eq!(spectrum.quantile(0.5, 1e-6), None);

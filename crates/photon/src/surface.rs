@@ -188,4 +188,35 @@ impl OpticalSurface {
     pub(crate) fn detects(&self) -> bool {
         self.efficiency.as_ref().is_some_and(|table| table.values().iter().any(|value| *value > 0.0))
     }
+
+    /// True if no photon passes the surface, whatever its energy and angle: it is reflected or absorbed (and perhaps detected).
+    ///
+    /// A dichroic filter and a film count as surfaces that transmit light. `is_same_material` states whether the materials in front
+    /// and behind are equal: unpainted interfaces between equal materials do nothing.
+    pub(crate) fn is_opaque(&self, is_same_material: bool) -> bool {
+        use SurfaceFinish::{Ground, GroundFrontPainted, Polished, PolishedFrontPainted};
+        let any = |table: &Option<PropertyTable>, is_such: fn(f64) -> bool| {
+            table.as_ref().is_some_and(|table| table.values().iter().any(|value| is_such(*value)))
+        };
+        // TRANSMITTANCE acts on the photons beyond REFLECTIVITY, which is 1 where it is absent
+        let loses = any(&self.reflectivity, |value| value < 1.0) || self.metal_index.is_some();
+        if loses && any(&self.transmittance, |value| value > 0.0) {
+            return false;
+        }
+        match self.kind {
+            SurfaceType::DielectricMetal | SurfaceType::DielectricLut => true,
+            SurfaceType::DielectricLutDavis => {
+                let efficiency = self.efficiency.as_ref();
+                // with an efficiency all that is not reflected is absorbed
+                efficiency.is_some_and(|table| table.values().iter().all(|value| *value > 0.0))
+            }
+            SurfaceType::DielectricDichroic | SurfaceType::Coated => false,
+            SurfaceType::DielectricDielectric => match self.finish {
+                PolishedFrontPainted | GroundFrontPainted => true,
+                own if own.is_back_painted() => true,
+                Polished | Ground if is_same_material => false,
+                _ => self.reflectivity.is_some() && !any(&self.reflectivity, |value| value > 0.0),
+            },
+        }
+    }
 }

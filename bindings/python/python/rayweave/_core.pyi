@@ -1123,8 +1123,8 @@ class PhotonHits:
     def save(self, path: str | PathLike[str]) -> None:
         """Writes the table of hits of the command: .csv, .npy or .parquet."""
 
-    def map_svg(self, title: str, cells: int | None = None) -> str:
-        """Maps of the hits of each sensor as SVG, with a number of cells along their longer side."""
+    def map_svg(self, title: str, cells: int | None = None, plane: str | None = None) -> str:
+        """Maps of the hits of each sensor as SVG, with a number of cells along their longer side and a plane of all maps."""
 
     def spectra_svg(self, title: str, bins: int | None, time: tuple[float, float] | None) -> str:
         """Spectra of times and wavelengths as SVG, with a number of bins and the range of times."""

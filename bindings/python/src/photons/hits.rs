@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayweave::detector::{Histogram, HitPositions, histograms_svg, hit_maps_svg};
+use rayweave::detector::{Histogram, HitPositions, MapPlane, histograms_svg, hit_maps_svg};
 use rayweave::photon::{Hits, hit_schema};
 use rayweave::table::{TableError, TableWriter};
 
@@ -67,13 +67,20 @@ impl PyPhotonHits {
         py.detach(write).map_err(bad_value)
     }
 
-    /// Maps of the hits of each sensor as SVG, with a number of cells along their longer side.
-    #[pyo3(signature = (title, cells = None))]
-    fn map_svg(&self, py: Python<'_>, title: &str, cells: Option<usize>) -> String {
+    /// Maps of the hits of each sensor as SVG, with a number of cells along their longer side and a plane of all maps.
+    #[pyo3(signature = (title, cells = None, plane = None))]
+    fn map_svg(
+        &self,
+        py: Python<'_>,
+        title: &str,
+        cells: Option<usize>,
+        plane: Option<&str>,
+    ) -> PyResult<String> {
+        let plane = plane.map(str::parse::<MapPlane>).transpose().map_err(bad_value)?;
         let [x, y, z] = &self.0.position;
         let (names, sensors) = (self.0.paths(), &self.0.sensor);
-        let hits = HitPositions { names, sensors, positions: [x, y, z], cells };
-        py.detach(|| hit_maps_svg(hits, title, "mm"))
+        let hits = HitPositions { names, sensors, positions: [x, y, z], cells, plane };
+        Ok(py.detach(|| hit_maps_svg(hits, title, "mm")))
     }
 
     /// Spectra of times and wavelengths as SVG, with a number of bins and the range of times.

@@ -102,8 +102,13 @@ impl PhotonCompare {
 fn row(quantity: &ComparedQuantity) -> Vec<String> {
     let ComparedQuantity { name, totals: [a, b], chi2, ndf, p, z, .. } = quantity;
     let ratio = if *ndf > 0 { format!("{:.3}", chi2 / *ndf as f64) } else { "-".to_owned() };
-    let numbers = [format!("{chi2:.2}"), ndf.to_string(), ratio, terminal::short3(*p), format!("{z:.2}")];
+    let numbers = [format!("{chi2:.2}"), ndf.to_string(), ratio, probability(*p), format!("{z:.2}")];
     [vec![(*name).to_owned(), a.to_string(), b.to_string()], numbers.into()].concat()
+}
+
+/// A probability with three digits; below the range of f64, a limit instead of 0.
+fn probability(p: f64) -> String {
+    if p < 1e-300 { "< 1e-300".to_owned() } else { terminal::short3(p) }
 }
 
 /// The photons that both samples have.

@@ -11,11 +11,11 @@ use crate::photon_report::PhotonReport;
 use crate::terminal::{self, Unit};
 use clap::{ArgMatches, Args, Command, FromArgMatches, ValueEnum};
 use rayweave::Packets;
-use rayweave::detector::{Histogram, HitPositions, histograms_svg, hit_maps_svg};
+use rayweave::detector::{Histogram, HitPositions, MapPlane, histograms_svg, hit_maps_svg};
 use rayweave::layout::{LayoutPlane, OpticalLayout};
 use rayweave::photon::{
     DetectionRule, Detector, Histories, HistoryOptions, Hits, PhotonError, RunSettings, Source, check_start,
-    history_schema, hit_schema, simulate_parts, step_schema,
+    history_schema, hit_schema, lint, simulate_parts, step_schema,
 };
 use rayweave::scene::{Document, Scene};
 use rayweave::table::{ContentHash, Part, TableError, TableWriter};
@@ -112,9 +112,14 @@ pub struct Simulation {
     #[arg(long, value_name = "N", requires = "draw", default_value_t = 100)]
     tracks: u64,
 
-    /// Maps of the hits of each sensor, .svg, .pdf, .png or .jpg
+    /// Maps of the hits of each sensor, .svg, .pdf, .png or .jpg; the first of several is a projection of all sensors
     #[arg(long, value_name = "DRAWING")]
     map: Option<PathBuf>,
+
+    /// Plane of all maps: yz, xz, xy, or sphere for one map of azimuth and cosine of the polar angle as seen from the origin [default:
+    /// for each sensor the plane in which its hits extend most]
+    #[arg(long, value_name = "PLANE", requires = "map")]
+    map_plane: Option<MapPlane>,
 
     /// Spectra of the times and wavelengths of the hits, .svg, .pdf, .png or .jpg
     #[arg(long, value_name = "DRAWING")]
@@ -220,7 +225,8 @@ impl Simulation {
             TableWriter::create(path, &hit_schema(false)?)?;
         }
         let (document, scene) = self.model.load_document()?;
-        let detector = Detector::with_tables(&scene, &document, &self.tables.tables()?)?;
+        let tables = self.tables.tables()?;
+        let detector = Detector::with_tables(&scene, &document, &tables)?;
         let note = |text: &str| {
             if !global.quiet {
                 terminal::note(text);
@@ -251,7 +257,13 @@ impl Simulation {
             note(&text);
         }
         let mut report = self.simulate(global, (&detector, &source), &settings, &parts)?;
-        report.remarks(&self.model.name()).iter().for_each(|text| note(text));
+        let mistakes = || {
+            let found = lint(&scene, &document, &tables, Packets::new, &|_, _, _| None);
+            found.iter().filter(|finding| !finding.is_unused).count()
+        };
+        if !global.quiet {
+            report.remarks(&self.model.name(), mistakes).iter().for_each(|text| note(text));
+        }
         if self.map.is_some() {
             report.run.hits.number_by(&detector);
         }
@@ -364,7 +376,8 @@ impl Simulation {
         if let Some(path) = &self.map {
             let [x, y, z] = &hits.position;
             let (names, sensors) = (hits.paths(), &hits.sensor);
-            let hits = HitPositions { names, sensors, positions: [x, y, z], cells: None };
+            let hits =
+                HitPositions { names, sensors, positions: [x, y, z], cells: None, plane: self.map_plane };
             drawing::save(path, &hit_maps_svg(hits, &name, "mm"), &name)?;
         }
         let Some(path) = &self.spectra else { return Ok(()) };

@@ -65,6 +65,11 @@ fn planted_difference() {
     assert!(text.contains("940 of 1000 photons have equal histories"), "{text}");
     assert!(text.contains("first difference: photon 500, row 1"), "{text}");
     assert!(text.contains("-2.69  emission absorbed"), "{text}");
+    // chi squared is 10,000 with one degree of freedom: p is about exp(-5,000), below the range of f64
+    bench.write("a.csv", table(5000, 0));
+    bench.write("b.csv", table(5000, 5000));
+    let text = bench.says(&["photons", "compare", "a.csv", "b.csv"]);
+    assert!(text.contains("  < 1e-300  "), "{text}");
 }
 
 /// Missing and empty files are errors, as is a comparison without a second file; a simulation still needs a model and a source.

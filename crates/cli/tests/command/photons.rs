@@ -74,6 +74,21 @@ fn hits_are_counted_by_sensor() {
     for (path, count) in sensors {
         let row = row(path).unwrap_or_else(|| panic!("{path} is not in\n{said}"));
         assert_eq!(row.split_whitespace().nth(1), Some(count.to_string().as_str()), "{row}");
+        // the fraction of the 2,000 photons with the binomial standard deviation
+        let fraction = count.as_f64().unwrap() / 2000.0;
+        let error = (fraction * (1.0 - fraction) / 2000.0).sqrt();
+        let own = &found["sensor_fractions"][path];
+        assert_eq!(own["fraction"].as_f64(), Some(fraction), "{own}");
+        assert!((own["error"].as_f64().unwrap() - error).abs() < 1e-15, "{own}");
+        let [percent, bound] = [3, 4].map(|k| row.split_whitespace().nth(k).unwrap());
+        if *count == 0 {
+            assert_eq!([percent, bound], ["0", "-"], "{row}");
+            continue;
+        }
+        let [percent, bound] = [percent, bound].map(|text| text.parse::<f64>().unwrap());
+        // two digits of the error
+        assert!((bound - 100.0 * error).abs() <= 0.05 * bound, "{row}");
+        assert!((percent - 100.0 * fraction).abs() <= 0.05 * bound, "{row}");
     }
     // a single sensor needs no table
     bench.write("bar.gdml", text);
@@ -316,6 +331,52 @@ fn histories_and_drawings() {
     assert!(bench.fails(2, &run(&["--draw", "a.gif"])).contains(".png or .jpg"));
     assert!(bench.fails(2, &run(&["--draw", "-", "--map", "-"])).contains("`-` is given more than once"));
     assert!(bench.fails(2, &run(&["--plane", "yz"])).contains("--draw"));
+    assert!(bench.read("m.svg").contains(">x / mm<") && bench.read("m.svg").contains(">y / mm<"));
+    bench.says(&run(&["--map", "side.svg", "--map-plane", "xz"]));
+    assert!(bench.read("side.svg").contains(">z / mm<") && !bench.read("side.svg").contains(">y / mm<"));
+    assert!(bench.fails(2, &run(&["--map-plane", "yz"])).contains("--map"));
+    let text = bench.fails(2, &run(&["--map", "m.svg", "--map-plane", "up"]));
+    assert!(text.contains("it must be yz, xz, xy or sphere"), "{text}");
+}
+
+/// A note of a run without hits states the number of mistakes that `check` finds, or that it finds none.
+#[test]
+fn the_note_of_a_dark_run_is_true() {
+    let bench = bench();
+    let arguments = ["photons", "bar.gdml", "--at", "0,0,0", "--wavelength", "550", "-n", "200"];
+    let border = r#"<bordersurface name="end" surfaceproperty="Cathode"><physvolref ref="bar"/><physvolref ref="diode"/></bordersurface>"#;
+    assert!(block("xml").contains(border));
+    for (skin, expected, kinds) in [
+        // the skin of the diode, beside a bar with a skin, never acts
+        (
+            r#"<skinsurface name="end" surfaceproperty="Cathode"><volumeref ref="Diode"/></skinsurface>"#,
+            true,
+            "optical",
+        ),
+        // a bar without a detector
+        ("", false, ""),
+    ] {
+        let sensor = r#"<volume name="Diode"><auxiliary auxtype="SensDet" auxvalue="d"/>"#;
+        let text = block("xml").replace(border, skin);
+        bench.write(
+            "bar.gdml",
+            if skin.is_empty() { text } else { text.replace(r#"<volume name="Diode">"#, sensor) },
+        );
+        let said = bench.run(&arguments).err;
+        let found = bench.json(&["check", "bar.gdml", "--json"]);
+        let count = found["findings"].as_array().unwrap().iter().filter(|own| own["kind"] == kinds).count();
+        assert_eq!(count > 0, expected, "{found}");
+        assert!(said.contains("no photon is detected"), "{said}");
+        assert_eq!(said.contains("reports no probable mistake"), !expected, "{said}");
+        if expected {
+            let number = if count == 1 {
+                "1 probable mistake ".to_owned()
+            } else {
+                format!("{count} probable mistakes")
+            };
+            assert!(said.contains(&number), "{said}");
+        }
+    }
 }
 
 /// A wrapping of the `LUT` model needs its table; a source outside all volumes is an error.

@@ -32,13 +32,24 @@ impl Chart {
     pub fn at(corner: [f64; 2], side: f64, lo: [f64; 2], hi: [f64; 2]) -> Chart {
         let size = [0, 1].map(|k| hi[k] - lo[k]);
         let scale = side / size[0].max(size[1]);
-        let [width, height] = size.map(|side| scale * side);
+        Chart::with_axes(corner, size.map(|side| scale * side), lo, hi)
+    }
+
+    /// A chart of axes whose scales differ, with the lengths of the axes.
+    pub fn with_axes(corner: [f64; 2], [width, height]: [f64; 2], lo: [f64; 2], hi: [f64; 2]) -> Chart {
         let (left, top) = (corner[0] + LEFT, corner[1] + TOP);
         Chart {
             x: Axis { min: lo[0], max: hi[0], start: left, end: left + width },
             y: Axis { min: lo[1], max: hi[1], start: top + height, end: top },
             corner,
         }
+    }
+
+    /// The part of a chart between two corners of its window.
+    pub fn part(&self, lo: [f64; 2], hi: [f64; 2]) -> Chart {
+        let axis =
+            |axis: &Axis, min, max| Axis { min, max, start: axis.position(min), end: axis.position(max) };
+        Chart { x: axis(&self.x, lo[0], hi[0]), y: axis(&self.y, lo[1], hi[1]), corner: self.corner }
     }
 
     /// The position of a point.
@@ -53,11 +64,11 @@ impl Chart {
 
     /// Draws title, subtitle, and axes with ticks. `unit` is the unit of length.
     pub fn draw(&self, svg: &mut Svg, titles: [&str; 2], unit: &str) {
-        self.draw_axes(svg, titles, ["x", "y"], unit);
+        self.draw_axes(svg, titles, ["x", "y"].map(|name| format!("{name} / {unit}")));
     }
 
-    /// Like [`Chart::draw`], with the names of the axes.
-    pub fn draw_axes(&self, svg: &mut Svg, [title, subtitle]: [&str; 2], names: [&str; 2], unit: &str) {
+    /// Like [`Chart::draw`], with the labels of the axes.
+    pub fn draw_axes(&self, svg: &mut Svg, [title, subtitle]: [&str; 2], [across, up]: [String; 2]) {
         let [x, y] = self.corner;
         svg.text("title", [x + MARGIN, y + 30.0], Anchor::Start, title, title);
         svg.text("tick", [x + MARGIN, y + 48.0], Anchor::Start, subtitle, subtitle);
@@ -83,7 +94,6 @@ impl Chart {
             svg.text("tick", [left - 8.0, y + 4.0], Anchor::End, &text, &text);
         }
         svg.path("axis", path, "");
-        let [across, up] = names.map(|name| format!("{name} / {unit}"));
         svg.text("tick", [0.5 * (left + right), bottom + 38.0], Anchor::Middle, &across, &across);
         svg.text("tick", [left - 8.0, top - 8.0], Anchor::End, &up, &up);
     }

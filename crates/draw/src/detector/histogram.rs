@@ -115,6 +115,15 @@ fn subtitle(values: &[f64], unit: &str, beyond: usize) -> String {
     format!("{} hits, mean {mean} {unit}, standard deviation {deviation} {unit}{beyond}", values.len())
 }
 
+/// The number of the bin of a value, counted from the one that begins at `lo`. A value that only rounding keeps below the edge of a
+/// bin belongs to that bin.
+fn bin_number(value: f64, lo: f64, width: f64) -> f64 {
+    // the wavelength of a photon comes from its energy: 420 nm become an energy and 419.99999999999994 nm. These are two roundings
+    // of constant and value each, and two more in the difference and the quotient: at most 8 of half an epsilon
+    let error = 4.0 * f64::EPSILON * (value.abs() + lo.abs());
+    ((value - lo + error) / width).floor()
+}
+
 impl Bins {
     fn of(histogram: &Histogram<'_>, values: &[f64]) -> Bins {
         let automatic = Bins::new(values);
@@ -126,9 +135,10 @@ impl Bins {
         let width = (hi - lo) / count as f64;
         let (mut counts, mut beyond) = (vec![0; count], 0);
         for &value in values {
-            match value >= lo && value <= hi {
+            let bin = bin_number(value, lo, width);
+            match bin >= 0.0 && value <= hi {
                 // a value at the upper end belongs to the last bin
-                true => counts[(((value - lo) / width) as usize).min(count - 1)] += 1,
+                true => counts[(bin as usize).min(count - 1)] += 1,
                 false => beyond += 1,
             }
         }
@@ -151,9 +161,9 @@ impl Bins {
             // equal values: one bin among empty ones, narrow compared with the values, but wider than their rounding errors
             false => (round_step((1e-3 * first.abs()).max(1e-6)), ALONE),
         };
-        let begin = (first / width).floor() - margin;
+        let begin = bin_number(first, 0.0, width) - margin;
         let lo = begin * width;
-        let bin = |value: f64| (value / width).floor() - begin;
+        let bin = |value: f64| bin_number(value, 0.0, width) - begin;
         let count = (bin(last) + margin).clamp(0.0, 4.0 * BINS) as usize + 1;
         let mut counts = vec![0; count];
         let mut beyond = 0;

@@ -9,6 +9,6 @@ mod spot;
 
 pub use curve::{PropertyCurve, property_curves_svg};
 pub use histogram::{Histogram, histograms_svg};
-pub use hits::{HitPositions, hit_maps_svg};
+pub use hits::{HitPositions, MapPlane, hit_maps_svg};
 pub use irradiance::irradiance_svg;
 pub use spot::{spot_svg, spots_svg};

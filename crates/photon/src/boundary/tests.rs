@@ -630,3 +630,57 @@ fn contacts_in_lanes_equal_those_of_start_surfaces() {
         assert!(pushed.len() > 700 && moved > 60, "{} {moved}", pushed.len());
     }
 }
+
+/// `is_opaque` against trials: of every surface that it calls opaque no photon passes, and of the others some do.
+#[test]
+fn opaque_surfaces_let_nothing_through() {
+    use SurfaceFinish::{
+        Ground, GroundBackPainted, GroundFrontPainted, Polished, PolishedBackPainted, PolishedFrontPainted,
+    };
+    let table = |value: f64| PropertyTable::new(vec![(1e-6, value), (10e-6, value)]).unwrap();
+    let passes = |surface: &OpticalSurface, is_same: bool| {
+        (0..600u64).any(|number| {
+            let (direction, polarisation) = incident([5.0, 35.0, 60.0][number as usize % 3], number % 2 == 0);
+            let mut photon = Boundary {
+                direction,
+                polarisation,
+                normal: Vec3::Z,
+                energy: ENERGY,
+                index: 1.3,
+                index_behind: Some(if is_same { 1.3 } else { 1.5 }),
+                is_same_material: is_same,
+                surface: Some(surface),
+            };
+            let (event, is_behind) = photon.apply(&mut Stream::new(1, number, 1, Purpose::Boundary));
+            is_behind && !matches!(event, BoundaryEvent::Absorption | BoundaryEvent::Detection)
+        })
+    };
+    let mut opaque = 0;
+    for finish in
+        [Polished, PolishedFrontPainted, PolishedBackPainted, Ground, GroundFrontPainted, GroundBackPainted]
+    {
+        for kind in [SurfaceType::DielectricDielectric, SurfaceType::DielectricMetal] {
+            for reflectivity in [None, Some(0.0), Some(0.5), Some(1.0)] {
+                for transmittance in [None, Some(0.0), Some(0.3)] {
+                    for is_same in [false, true] {
+                        let surface = OpticalSurface {
+                            model: SurfaceModel::Unified,
+                            finish,
+                            kind,
+                            value: 0.1,
+                            reflectivity: reflectivity.map(table),
+                            transmittance: transmittance.map(table),
+                            index: Some(table(1.2)),
+                            ..OpticalSurface::default()
+                        };
+                        let is_opaque = surface.is_opaque(is_same);
+                        opaque += u32::from(is_opaque);
+                        assert_eq!(is_opaque, !passes(&surface, is_same), "{is_same}: {surface:?}");
+                    }
+                }
+            }
+        }
+    }
+    // metals: all but the 2 of 12 with losses and TRANSMITTANCE
+    assert!(opaque >= 6 * 2 * 10, "{opaque}");
+}

@@ -4,6 +4,7 @@
 //! volumes, surfaces and sensors with each other. A finding does not prove a mistake; each has its reason.
 
 mod contacts;
+mod covered;
 mod finding;
 mod properties;
 mod sensors;

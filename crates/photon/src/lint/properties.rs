@@ -30,6 +30,38 @@ const SPECTRA: [&str; 7] = [
     "SLOWCOMPONENT",
 ];
 
+/// The smallest fraction of photons at other energies than with a linear density for which a spectrum is called coarse. It is about
+/// 0.1 h / sigma for points at the distance h on a Gaussian of the deviation sigma.
+const COARSE: f64 = 0.1;
+
+/// The message about an emission spectrum of few points: between two of them Geant4's density is constant, their mean.
+///
+/// On an interval of the width w with the values a and b, the fraction |b - a| w / 8 of the photons lies in the other half than with
+/// a linear density; the area is (a + b) w / 2 with both.
+fn coarse_spectrum(owner: &Owner, name: &str, mut points: Vec<(f64, f64)>) -> Option<Message> {
+    if !SPECTRA.contains(&name) || points.iter().any(|point| !(point.0.is_finite() && point.1 >= 0.0)) {
+        return None;
+    }
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let sum = |of: fn(f64, f64) -> f64| -> f64 {
+        points.windows(2).map(|pair| (pair[1].0 - pair[0].0) * of(pair[0].1, pair[1].1)).sum()
+    };
+    let (moved, area) = (sum(|a, b| (b - a).abs() / 8.0), sum(|a, b| (a + b) / 2.0));
+    if area <= 0.0 || moved < COARSE * area {
+        return None;
+    }
+    let problem = format!("the emission spectrum `{name}` of {owner} has few points");
+    let percent = energies::short((100.0 * moved / area).round());
+    let reason = format!(
+        "as in Geant4, the density between two points is constant, their mean, and {percent} % of the photons have other energies \
+         than with a density that is linear between the points"
+    );
+    Some(
+        Message::new(problem, reason)
+            .suggest("Add points where the values change, also near ends with the value 0."),
+    )
+}
+
 /// The name since Geant4 11 of a property with an older name.
 pub(super) fn successor(name: &str) -> Option<&'static str> {
     RENAMED.iter().find(|row| row.0 == name).map(|row| row.1)
@@ -45,6 +77,9 @@ impl Lint<'_> {
                 self.name(&owner, name);
                 let points = self.points(datum);
                 self.energies(&owner, name, &points);
+                if let Some(message) = coarse_spectrum(&owner, name, points) {
+                    self.find(&owner, name, message);
+                }
                 if let Some(message) = self.implausible_value(&owner, name, datum) {
                     self.find(&owner, name, message);
                 }
@@ -112,9 +147,7 @@ impl Lint<'_> {
         else {
             return;
         };
-        let span = |[low, high]: [f64; 2]| {
-            format!("{} to {} eV", energies::short(low * 1e6), energies::short(high * 1e6))
-        };
+        let span = |[low, high]: [f64; 2]| format!("{} eV", energies::short_range([low * 1e6, high * 1e6]));
         for (name, datum) in properties.iter().filter(|(name, _)| *name != "RINDEX") {
             let points = self.points(datum);
             let Some(own) = range(&points).filter(|_| energies::foreign(owner, "", &points).is_none()) else {

@@ -104,7 +104,7 @@ impl Lint<'_> {
     }
 
     /// The placements of a volume in backquotes, or a description if they have no names.
-    fn placements_of(&self, volume: &str) -> String {
+    pub(super) fn placements_of(&self, volume: &str) -> String {
         let placements = self.optics.volumes.placements.iter();
         let is_own = |list: &Vec<Placement>| list.iter().any(|placement| placement.volume == volume);
         let names: BTreeSet<&str> =
@@ -116,7 +116,7 @@ impl Lint<'_> {
     }
 
     /// The numbers of the regions of a volume.
-    fn regions_of(&self, volume: &str) -> HashSet<u32> {
+    pub(super) fn regions_of(&self, volume: &str) -> HashSet<u32> {
         self.optics.volumes.regions.get(volume).into_iter().flatten().copied().collect()
     }
 

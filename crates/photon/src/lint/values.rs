@@ -1,7 +1,7 @@
 //! Magnitudes: values that are probably off by the factor of a unit.
 
 use crate::detector::properties::Owner;
-use crate::energies::short;
+use crate::energies::{short, short_range};
 use crate::property::LIGHT_SPEED;
 use rayweave_error::Message;
 
@@ -31,7 +31,7 @@ pub(super) fn implausible(
             if high < 1e-3 * smallest { message(reason, advice) } else { None }
         }
         ("RINDEX", None) if low < 0.7 || high > 5.0 => {
-            let reason = format!("the index is {} to {}", short(low), short(high));
+            let reason = format!("the index is {}", short_range([low, high]));
             message(reason, "Are the columns energy and index, in this order?")
         }
         ("GROUPVEL", None) if high > LIGHT_SPEED * (1.0 + 1e-6) => {

@@ -13,6 +13,7 @@ impl Lint<'_> {
     pub(super) fn volumes(&mut self) {
         self.missing_indices();
         self.covered_skins();
+        self.closed_volumes();
         self.sensors();
     }
 

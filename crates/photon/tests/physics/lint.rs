@@ -5,7 +5,7 @@ use rayweave_formats::{Format, Options};
 use rayweave_photon::{LintFinding, SurfaceTables, lint};
 use rayweave_trace::Packets;
 
-fn findings(text: &str) -> Vec<LintFinding> {
+pub(crate) fn findings(text: &str) -> Vec<LintFinding> {
     let imported = rayweave_formats::parse(text, Format::Gdml, &[], &Options::default()).unwrap();
     let places = |element, name: &str, property: &str| {
         imported.places.find(element, name, property).map(str::to_owned)
@@ -128,6 +128,42 @@ fn tables_that_do_not_fit_together_are_named() {
     let glow = r#"<property name="WLSABSLENGTH" ref="MIXED"/><property name="WLSCOMPONENT" ref="GLOW"/>"#;
     let emission = with(glow, "emits light where its index is not given");
     assert!(emission.contains("`WLSCOMPONENT` covers 2.5 to 3.5 eV, `RINDEX` 2 to 3 eV"), "{emission}");
+}
+
+/// The fraction of photons of a spectrum that lie elsewhere than with a linear density: 1/4 for a triangle of any shape (the area is 1/2
+/// of its base, and |b - a| w / 8 adds up to 1/8 of it), 1/4 for a ramp from 0, and 1/14 for the values 1, 3, 3 and 1 at
+/// equal distances, (2 + 2) / 8 over 2 + 3 + 2, which is no finding.
+#[test]
+fn coarse_emission_spectra_are_named() {
+    let about = |values: &str| {
+        let matrices = format!(
+            r#"<matrix name="GLOW" coldim="2" values="{values}"/><matrix name="LONG" coldim="2" values="1*eV 9000 10*eV 9000"/>"#
+        );
+        let inner = r#"<property name="RINDEX" ref="GLASS"/><property name="WLSABSLENGTH" ref="LONG"/>
+<property name="WLSCOMPONENT" ref="GLOW"/>"#;
+        let all = findings(&SlabDetector { matrices: &matrices, inner, ..CLEAR }.text());
+        all.iter().map(ToString::to_string).filter(|text| text.contains("has few points")).collect::<Vec<_>>()
+    };
+    for values in ["2.5*eV 0 2.9*eV 1 3.4*eV 0", "2.5*eV 0 3.4*eV 1"] {
+        let [one] = about(values).try_into().unwrap();
+        assert!(
+            one.contains("`WLSCOMPONENT` of material `Inner`") && one.contains(" 25 % of the photons"),
+            "{one}"
+        );
+    }
+    assert_eq!(about("2.5*eV 1 3*eV 3 3.5*eV 3 4*eV 1"), Vec::<String>::new());
+    assert_eq!(about("2.5*eV 1 3.4*eV 1"), Vec::<String>::new());
+    // a Gaussian with points at half its deviation, which loses 5 %, and at one and a half
+    let gaussian = |step: f64| {
+        let at = |k: i32| {
+            let x = f64::from(k) * step;
+            format!("{}*eV {} ", 3.0 + 0.1 * x, (-0.5 * x * x).exp())
+        };
+        (-6..=6).map(at).collect::<String>()
+    };
+    assert_eq!(about(&gaussian(0.5)), Vec::<String>::new());
+    let [coarse] = about(&gaussian(1.5)).try_into().unwrap();
+    assert!(coarse.contains(" 15 % of the photons") || coarse.contains(" 14 % of the photons"), "{coarse}");
 }
 
 #[test]

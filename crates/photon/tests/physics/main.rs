@@ -3,6 +3,7 @@
 mod boundary;
 mod bulk;
 mod cavities;
+mod closed_volumes;
 mod detector;
 mod gensteps;
 mod history;

@@ -150,7 +150,8 @@ class Comparison(Tabular):
     def __str__(self) -> str:
         lines = [f"A {self.names[0]}: {self.photons[0]} photons", f"B {self.names[1]}: {self.photons[1]} photons"]
         for own in self.quantities.values():
-            lines.append(f"{own.name:10}  chi2 {own.chi2:.1f} / {own.ndf}  p {own.p:.3g}  z {own.z:.2f}")
+            p = "< 1e-300" if own.p < 1e-300 else f"{own.p:.3g}"
+            lines.append(f"{own.name:10}  chi2 {own.chi2:.1f} / {own.ndf}  p {p}  z {own.z:.2f}")
         return "\n".join(lines)
 
 

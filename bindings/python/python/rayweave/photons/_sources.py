@@ -117,7 +117,8 @@ def point(
     wavelength_nm
         The wavelength in vacuum, in nm; or a spectrum, as in `rayweave.optics`: ("uniform", lo, hi), the same density between two
         wavelengths; ("black body", kelvin, lo, hi), the photons of a black body between them; ("table", w1, p1, w2, p2, ..), densities
-        p per nm at wavelengths w, with straight lines between.
+        p per nm at wavelengths w, with straight lines between. (The emission spectra of materials are constant between their points,
+        as in Geant4.)
     towards
         (3,), the direction of all photons; by default all directions with equal probability.
     cone_degrees
