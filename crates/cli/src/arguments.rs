@@ -286,6 +286,28 @@ pub fn debug_hash(value: &impl fmt::Debug) -> String {
     hash.finish()
 }
 
+/// The part of a model that a command works on.
+#[derive(Args)]
+pub struct OnlyArguments {
+    /// Use this solid instead of all regions
+    #[arg(long, value_name = "NAME")]
+    solid: Option<String>,
+}
+
+impl OnlyArguments {
+    pub fn is_given(&self) -> bool {
+        self.solid.is_some()
+    }
+
+    /// The model or, if a solid is chosen, a model with this solid as its only region.
+    pub fn of(&self, scene: Scene) -> Result<Scene, Failure> {
+        match &self.solid {
+            Some(name) => Ok(scene.alone(name)?),
+            None => Ok(scene),
+        }
+    }
+}
+
 /// The solid that a command works on, and the evaluator.
 #[derive(Args)]
 pub struct SubjectArguments {

@@ -84,7 +84,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Photons(photons) => photons.run(global),
         Command::Merge(merge) => merge.run(global),
         Command::Convert(convert) => convert.run(global),
-        Command::Export(export) => export.run(),
+        Command::Export(export) => export.run(global),
         Command::Infill(infill) => infill.run(global),
         Command::Volume(volume) => volume.run(global),
         Command::Diff(diff) => diff.run(global),

@@ -16,7 +16,7 @@ pub struct DeviceArguments {
     #[arg(long, value_name = "NAME", default_value = Device::NAMES[0], value_parser = PossibleValuesParser::new(Device::NAMES))]
     device: String,
 
-    /// Number of the graphics card, as listed by `rayweave devices` [default: the best]
+    /// Number of the graphics card, as listed by `rayweave devices`; in programs built with the feature `gpu` [default: the best]
     #[arg(long, value_name = "K")]
     adapter: Option<usize>,
 }

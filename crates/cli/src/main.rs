@@ -15,6 +15,7 @@ mod lens_file;
 mod photon_report;
 mod terminal;
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches};
 use cli::Cli;
 use std::io::Write;
@@ -26,12 +27,22 @@ fn main() -> ExitCode {
     let parsed = command.try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
     let cli = match parsed {
         Ok(cli) => cli,
-        Err(error) => return print(&error),
+        Err(error) => return print(&without_misleading_tip(error)),
     };
     match interrupt::watch(move || cli::run(&cli)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => terminal::report(&failure),
     }
+}
+
+/// The error without the advice to pass an unknown long option after `--`: no file name begins with two hyphens.
+fn without_misleading_tip(mut error: clap::Error) -> clap::Error {
+    let is_long =
+        |value: &ContextValue| matches!(value, ContextValue::String(name) if name.starts_with("--"));
+    if error.kind() == ErrorKind::UnknownArgument && error.get(ContextKind::InvalidArg).is_some_and(is_long) {
+        error.remove(ContextKind::Suggested);
+    }
+    error
 }
 
 /// Prints an error of the command line to standard error; help and version, which the parser also returns as errors, go to

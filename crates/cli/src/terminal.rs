@@ -37,6 +37,14 @@ pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Reports a written file on standard output, unless it is standard output itself.
+pub fn wrote(path: &Path, is_quiet: bool) -> Result<(), Failure> {
+    match is_quiet || path == Path::new("-") {
+        true => Ok(()),
+        false => print(&format!("wrote {}\n", path.display())),
+    }
+}
+
 /// True if messages may have colours: on a terminal, unless `NO_COLOR` is set (no-color.org).
 fn has_colour() -> bool {
     let forbidden = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());

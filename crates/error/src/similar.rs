@@ -70,7 +70,7 @@ pub fn did_you_mean<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str
 
 /// Words of other programs (OpenSCAD, CadQuery, Geant4, trimesh) with the words of Rayweave for the same thing. They come before
 /// similar spellings: `cube` means `box`, although `tube` is closer.
-const SYNONYMS: [(&str, &[&str]); 23] = [
+const SYNONYMS: [(&str, &[&str]); 26] = [
     ("ball", &["sphere"]),
     ("block", &["box"]),
     ("color", &["colour"]),
@@ -86,13 +86,16 @@ const SYNONYMS: [(&str, &[&str]); 23] = [
     ("halfspace", &["half_space"]),
     ("ior", &["index"]),
     ("len", &["length", "height"]),
+    ("lathe", &["revolve"]),
     ("length", &["height"]),
+    ("linear_extrude", &["extrude"]),
     ("material", &["medium"]),
     ("n", &["index", "normal"]),
     ("pipe", &["tube"]),
     ("plane", &["half_space"]),
     ("r", &["radius"]),
     ("rod", &["cylinder"]),
+    ("rotate_extrude", &["revolve"]),
     ("refractive_index", &["index"]),
 ];
 

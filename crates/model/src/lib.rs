@@ -46,7 +46,7 @@ mod tables;
 mod trail;
 
 pub use approximate::{ApproximateColumns, ApproximateEvaluator};
-pub use boundary::{Boundary, Facets, FlatFace, MAX_POINTS};
+pub use boundary::{Boundary, Facets, FlatFace, MAX_POINTS, Motion, Swept};
 pub use chord::{Ball, chord};
 pub use columns::{CrossingColumns, FirstHits, HitArrayRows};
 pub use copies::Copies;

@@ -80,7 +80,8 @@ impl Solid {
     }
 
     /// The same solid, with a description of its boundary for programs that need facets. It must describe the set of points of
-    /// this solid; nothing else uses it, and equality of solids ignores it.
+    /// this solid; only these programs and checks of operators use it, and equality of
+    /// solids ignores it.
     pub fn with_boundary(&self, boundary: Arc<dyn Boundary>) -> Solid {
         Solid(Arc::new(Inner { node: self.node().clone(), boundary: Some(boundary) }))
     }

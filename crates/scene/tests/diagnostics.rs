@@ -177,6 +177,29 @@ fn long_cycles_are_shortened() {
     );
 }
 
+/// Expressions without quotation marks, which are not TOML.
+#[test]
+fn unquoted_expressions() {
+    let hint = |text: &str| listed(&problems(text));
+    for (text, written) in [
+        ("[solid.s.cylinder]\nradius = 2\nheight = t\n", "height = \"t\""),
+        ("[solid.s]\ncylinder = { radius = 2, height = h }", "height = \"h\""),
+        ("[solid.s]\ncylinder = { height = 2 * max(h, 3), radius = 2 } # note", "height = \"2 * max(h, 3)\""),
+        ("[solid.s]\nbox = { size = [a + 1, 2, 3] }", "\"a + 1\""),
+        ("[solid.s]\nbox = { size = [2, b, 3] }", "\"b\""),
+        ("[parameters]\nw = 2*3\n", "w = \"2*3\""),
+    ] {
+        let found = hint(text);
+        let expected = format!(" Write an expression as a string: `{written}`.");
+        assert!(found.contains("invalid TOML: ") && found.contains(&expected), "{text}\n{found}");
+    }
+    for text in
+        ["[solid.s]\nsphere = { radius = }\n", "[solid.s\n", "unit = 'mm\n", "x = 1 2\n", "a = [1, 2\n"]
+    {
+        assert!(!hint(text).contains("Write an expression"), "{text}\n{}", hint(text));
+    }
+}
+
 #[test]
 fn shapes() {
     let shapes: Vec<&str> = rayweave_shape::primitive::MANUALS.iter().map(|manual| manual.name).collect();
@@ -186,6 +209,30 @@ fn shapes() {
             "3:1 unknown shape `sphre`: the shapes are {}; a solid can also be an `extrude`, `revolve`, `expr` or `place`. Did you mean `sphere`?",
             shapes.join(", ")
         ),
+    );
+    let unknown = |word: &str, hint: &str| {
+        check(
+            &format!("[solid.s]\n{word} = {{ radius = 1 }}"),
+            &format!(
+                "3:1 unknown shape `{word}`: the shapes are {}; a solid can also be an `extrude`, `revolve`, `expr` or `place`. {hint}",
+                shapes.join(", ")
+            ),
+        );
+    };
+    // words of OpenSCAD and of other programs
+    unknown("difference", "Combine named solids with `expr = \"a - b\"`.");
+    unknown("union", "Combine named solids with `expr = \"a | b\"`.");
+    unknown("intersection", "Combine named solids with `expr = \"a & b\"`.");
+    unknown("rotate_extrude", "Did you mean `revolve`?");
+    unknown("linear_extrude", "Did you mean `extrude`?");
+    check(
+        "[solid.s]\ncylinder = { radius = 2, height = 3, center = true }",
+        "3:38 cylinder: unknown parameter `center`: the parameters are radius, height. Shapes are centred about the origin of their frame: \
+         leave it out, or move the solid with a `transform`.",
+    );
+    check(
+        "[solid.s]\nsphere = { radius = 2, is_round = true }",
+        "3:24 sphere: unknown parameter `is_round`: the parameters are radius.",
     );
     check(
         "[solid.s]\n",

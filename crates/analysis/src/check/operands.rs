@@ -44,6 +44,8 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
             }
             match solid.node() {
                 Node::Named(name, _) if is_outline_part(name) => {}
+                // one shape: its operators are not those of the model file
+                _ if solid.boundary().is_some() => {}
                 Node::Primitive(Primitive::Mesh(mesh)) => self.mesh(mesh),
                 Node::Transformed(own, inner) => waiting.push((inner.clone(), own.get().then(&map))),
                 Node::Placed(inner, maps) => {

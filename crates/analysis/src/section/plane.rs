@@ -198,7 +198,8 @@ impl FromStr for SectionPlane {
 
     fn from_str(text: &str) -> Result<SectionPlane, AnalysisError> {
         let problem = || {
-            let reason = "a plane is yz, xz, xy, or a finite coordinate such as z=2.5";
+            let reason =
+                "a plane is yz, xz, xy, the axis perpendicular to it, or a finite coordinate such as z=2.5";
             AnalysisError::Value(Message::new(format!("the plane `{text}` is invalid"), reason))
         };
         let (axis, place) = axis_and_place(text).ok_or_else(problem)?;
@@ -206,13 +207,14 @@ impl FromStr for SectionPlane {
     }
 }
 
-/// Parses the number of an axis and the coordinate along it: `yz`, `xz`, `xy`, or `z=2.5`.
+/// Parses the number of an axis and the coordinate along it: `yz`, `xz`, `xy`, `z=2.5`, or the axis alone for coordinate 0.
 pub fn axis_and_place(text: &str) -> Option<(usize, f64)> {
     let text: String = text.to_ascii_lowercase().split_whitespace().collect();
     let (axis, place) = match text.as_str() {
         "yz" | "zy" => ("x", "0"),
         "xz" | "zx" => ("y", "0"),
         "xy" | "yx" => ("z", "0"),
+        axis @ ("x" | "y" | "z") => (axis, "0"),
         other => other.split_once('=')?,
     };
     let place = place.parse().ok().filter(|place: &f64| place.is_finite())?;
@@ -231,7 +233,10 @@ mod tests {
         {
             assert_eq!(text.parse::<SectionPlane>().unwrap().to_string(), name);
         }
-        for text in ["", "w=1", "z", "z=", "z=nan", "z=inf", "1"] {
+        for (axis, plane) in [("x", "yz"), ("Y", "xz"), ("z", "xy")] {
+            assert_eq!(axis.parse::<SectionPlane>().unwrap(), plane.parse().unwrap());
+        }
+        for text in ["", "w=1", "w", "z=", "z=nan", "z=inf", "1"] {
             assert!(text.parse::<SectionPlane>().unwrap_err().to_string().contains("as z=2.5"), "{text}");
         }
         assert_eq!(SectionPlane::across(1, 6.0 - 4.0 * 1.2).unwrap().to_string(), "y = 1.2");

@@ -1,7 +1,9 @@
 //! `rayweave check`: probable mistakes of a model.
 
 use super::photon_tables::SurfaceTableArguments;
-use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, WithinArguments, debug_hash};
+use crate::arguments::{
+    GlobalArguments, ModelArguments, OnlyArguments, PartArguments, WithinArguments, debug_hash,
+};
 use crate::failure::Failure;
 use crate::{drawing, interrupt, interval, terminal};
 use clap::Args;
@@ -47,6 +49,9 @@ A file that cannot be read, for example because of an open mesh, is reported as 
 pub struct Check {
     #[command(flatten)]
     model: ModelArguments,
+
+    #[command(flatten)]
+    only: OnlyArguments,
 
     /// Report walls thinner than this; a limit above all walls reports the thinnest one of each region [default: 1e-5 of the diagonal of the model]
     #[arg(long, value_name = "LENGTH")]
@@ -147,8 +152,11 @@ impl Kinds {
 
 impl Check {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
-        let imported = self.model.import_all()?;
-        let scene = imported.scene;
+        let mut imported = self.model.import_all()?;
+        if self.only.is_given() {
+            imported.stated = None;
+        }
+        let scene = self.only.of(imported.scene)?;
         let settings = CheckSettings {
             wall: self.wall,
             gap: self.gap,
@@ -363,13 +371,16 @@ pub fn read_check_share(path: &Path) -> Result<CheckShare, Failure> {
 fn scope(report: &CheckReport) -> String {
     let scope = &report.scope;
     let short = terminal::short3;
-    let mut text = format!(
-        "proved disjoint by boxes: {} pairs of parts; sampled with {} rays: {} pairs of parts, {} operands\n\
-         reported: overlaps deeper than {}, walls under {}, gaps under {}\n",
-        scope.apart,
-        scope.rays,
-        scope.pairs,
-        scope.operands,
+    let (rays, pairs, operands) = (scope.rays, scope.pairs, scope.operands);
+    let mut text = match scope.parts {
+        0 | 1 => format!("sampled with {rays} rays: one part, {operands} operands\n"),
+        _ => format!(
+            "proved disjoint by boxes: {} pairs of parts; sampled with {rays} rays: {pairs} pairs of parts, {operands} operands\n",
+            scope.apart
+        ),
+    };
+    text += &format!(
+        "reported: overlaps deeper than {}, walls under {}, gaps under {}\n",
         short(scope.distance),
         short(scope.wall),
         short(scope.gap)

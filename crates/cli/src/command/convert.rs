@@ -1,6 +1,6 @@
 //! `rayweave convert`: conversion of a model to another format.
 
-use crate::arguments::{GlobalArguments, ModelArguments};
+use crate::arguments::{GlobalArguments, ModelArguments, OnlyArguments};
 use crate::failure::Failure;
 use crate::terminal;
 use clap::Args;
@@ -18,10 +18,14 @@ use std::path::{Path, PathBuf};
 Examples:
   rayweave convert part.csg part.toml
   rayweave convert lens.toml lens.gdml
-  rayweave convert lens.toml lens.3mf --tolerance 0.001")]
+  rayweave convert lens.toml lens.3mf --tolerance 0.001
+  rayweave convert pump.toml housing.stl --solid housing")]
 pub struct Convert {
     #[command(flatten)]
     model: ModelArguments,
+
+    #[command(flatten)]
+    only: OnlyArguments,
 
     /// Output file; - is standard output
     #[arg(value_name = "OUT")]
@@ -56,7 +60,11 @@ impl Convert {
             );
             return Err(Failure::Usage(text));
         }
-        let imported = self.model.import()?;
+        let mut imported = self.model.import()?;
+        if self.only.is_given() {
+            // the document has the other solids and regions
+            (imported.scene, imported.stated) = (self.only.of(imported.scene)?, None);
+        }
         let options =
             WriteOptions { tolerance: self.tolerance, text: self.text, allow_unsound: self.allow_unsound };
         let written = formats::write(&imported.scene, imported.stated.as_ref(), format, &options);
@@ -71,7 +79,8 @@ impl Convert {
         if self.model.strict && losses.iter().any(|loss| !loss.is_expected) {
             return Err(crate::failure::lossy(&self.out));
         }
-        terminal::save(&self.out, &written.bytes)
+        terminal::save(&self.out, &written.bytes)?;
+        terminal::wrote(&self.out, global.quiet)
     }
 
     fn format(&self) -> Result<Format, Failure> {

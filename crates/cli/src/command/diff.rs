@@ -26,7 +26,7 @@ Exit codes:
 ///
 /// Rays search for parts that belong to one model only. Differences thinner than a distance (by default the size of rounding
 /// errors) are ignored; thickness is measured perpendicular to the surface. Several regions are compared by name. Lengths of the
-/// second model are converted to the unit of the first.
+/// second model are converted to the unit of the first. -D sets parameters of the first model only; the second one keeps its values.
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Diff {

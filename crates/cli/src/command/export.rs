@@ -1,6 +1,6 @@
 //! `rayweave export`: export of a model to another program.
 
-use crate::arguments::ModelArguments;
+use crate::arguments::{GlobalArguments, ModelArguments, OnlyArguments};
 use crate::failure::Failure;
 use crate::terminal;
 use clap::Args;
@@ -23,13 +23,16 @@ pub struct Export {
     #[command(flatten)]
     model: ModelArguments,
 
+    #[command(flatten)]
+    only: OnlyArguments,
+
     /// Output file, .pov; - is standard output
     #[arg(value_name = "OUT.pov")]
     out: PathBuf,
 }
 
 impl Export {
-    pub fn run(&self) -> Result<(), Failure> {
+    pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let is_pov = self.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("pov"));
         if !is_pov && self.out != Path::new("-") {
             return Err(Failure::Usage(format!(
@@ -37,7 +40,7 @@ impl Export {
                 self.out.display()
             )));
         }
-        let mut scene = self.model.import_scene()?;
+        let mut scene = self.only.of(self.model.import_scene()?)?;
         let compiled = Compiled::new(&scene)?;
         let (camera, settings) = arrange(&scene, &compiled, &PictureOptions::default())?;
         let size = (settings.size.width() as u32, settings.size.height() as u32);
@@ -49,7 +52,8 @@ impl Export {
         if self.model.strict && !written.losses.is_empty() {
             return Err(crate::failure::lossy(&self.out));
         }
-        terminal::save(&self.out, written.text.as_bytes())
+        terminal::save(&self.out, written.text.as_bytes())?;
+        terminal::wrote(&self.out, global.quiet)
     }
 }
 

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// Cut a model by a plane, or a stack of planes: areas, contours, pictures, DXF
 ///
 /// Contours follow the surfaces within a tolerance. The table lists the area of each medium. An .svg, .pdf, .png or .jpg file is a picture,
-/// coloured by medium, with a legend. A .dxf file has closed polylines with arcs, and circles, on a layer for each medium, at the height of the plane.
+/// coloured by medium or, with --hatch or --by-region, by region, with a legend. A .dxf file has closed polylines with arcs, and circles, on a layer for each medium, at the height of the plane.
 /// Pictures of a stack show at most 100 planes; a .dxf file contains all planes.
 #[derive(Args)]
 pub struct Section {
@@ -30,7 +30,7 @@ pub struct Section {
     #[command(flatten)]
     within: WithinArguments,
 
-    /// Plane: xy, xz, yz, or a position along an axis, such as z=0.5
+    /// Plane: xy, xz, yz, the axis perpendicular to it (z is xy), or a position along an axis, such as z=0.5
     #[arg(long, value_name = "PLANE", default_value = "xy", value_parser = plane, conflicts_with_all = ["point", "normal"])]
     plane: SectionPlane,
 
@@ -70,7 +70,7 @@ pub struct Section {
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(2..=65536))]
     columns: u32,
 
-    /// Hatch the cut faces in pictures (ISO 128-50): each part in another direction or at another distance
+    /// Hatch the cut faces in pictures (ISO 128-50): each region in another direction or at another distance. Implies --by-region
     #[arg(long)]
     hatch: bool,
 
@@ -78,7 +78,7 @@ pub struct Section {
     #[arg(long, conflicts_with = "from")]
     dimensions: bool,
 
-    /// Do not merge regions with the same medium
+    /// Do not merge regions with the same medium; merged regions have the name of the medium and the colour of the first of them
     #[arg(long)]
     by_region: bool,
 
@@ -97,7 +97,7 @@ impl Section {
         self.out.iter().try_for_each(|path| check(path))?;
         let planes = self.planes()?;
         let scene = self.model.load()?;
-        let by = if self.by_region { By::Region } else { By::Medium };
+        let by = if self.is_by_region() { By::Region } else { By::Medium };
         let run = SectionRun { threads: global.threads, cancel: interrupt::token() };
         let (tolerance, columns, within) = (self.tolerance, self.columns, self.within.bounds());
         let settings = SectionSettings { by, tolerance, columns, within, run };
@@ -114,8 +114,17 @@ impl Section {
         match () {
             () if is_taken => Ok(()),
             () if self.json => terminal::print(&format!("{:#}\n", self.as_json(&scene, &found))),
-            () => terminal::print(&self.as_text(&scene, &found)),
+            () => {
+                let written = self.out.iter().filter(|_| !global.quiet);
+                let written: String = written.map(|path| format!("wrote {}\n", path.display())).collect();
+                terminal::print(&(self.as_text(&scene, &found) + &written))
+            }
         }
+    }
+
+    /// True if regions with the same medium are separate parts: in a hatched drawing, the edges between them must show.
+    fn is_by_region(&self) -> bool {
+        self.by_region || self.hatch
     }
 
     fn planes(&self) -> Result<Vec<SectionPlane>, Failure> {
@@ -193,9 +202,15 @@ impl Section {
                 ]
             })
         });
-        let what = if self.by_region { "region" } else { "medium" };
+        let what = if self.is_by_region() { "region" } else { "medium" };
         let header = ["plane", what, "area", "perimeter", "contours"];
         text += &terminal::table(&header, &rows.collect::<Vec<_>>(), &[false, false, true, true, true]);
+        let mut media: Vec<u32> = scene.regions.iter().map(|region| region.medium).collect();
+        media.sort_unstable();
+        media.dedup();
+        if media.len() < scene.regions.len() && !self.is_by_region() && self.subject.solid.is_none() {
+            text += "\nregions with the same medium are merged; --by-region keeps them apart\n";
+        }
         text
     }
 

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 /// Render a picture of a model, again whenever the model changes
 ///
-/// The files that the model includes are watched as well. The messages of a model with errors are printed, and the last picture
+/// The files that the model refers to, such as meshes, drawings and tables, are watched as well. The messages of a model with errors are printed, and the last picture
 /// stays until the model is correct again. Ctrl-C ends the command with exit code 130; the picture is complete at all times.
 #[derive(Args)]
 #[command(after_help = "\

@@ -108,3 +108,65 @@ fn optical_properties_of_gdml_files() {
     assert_eq!(bench.run(&["check", "bar.gdml", "--cells", "8", "--fail-on", "optical"]).code, 1);
     bench.says(&["check", "bar.gdml", "--cells", "8", "--fail-on", "overlap"]);
 }
+
+/// Shapes that the reader of a dump adds, such as the pieces of an offset, are not operands of the model; those of the dump are.
+#[test]
+fn parts_of_one_item_of_a_dump_are_no_operands() {
+    let bench = Bench::new();
+    let ring = "rotate_extrude($fn = 30) polygon(points = [[10, 0], [20, 0], [20, 5], [15, 8], [10, 8]]);\n";
+    let cases = [
+        ("polygon", ring.to_owned()),
+        ("torus", "rotate_extrude($fn = 30) multmatrix([[1, 0, 0, 25], [0, 1, 0, 5], [0, 0, 1, 0], [0, 0, 0, 1]]) circle(3);\n".to_owned()),
+        ("offset", "linear_extrude(height = 5) offset(r = 2) square([10, 10], center = true);\n".to_owned()),
+        ("hull", "hull() { sphere(5); cube(20); cylinder(h = 9, r = 4); }\n".to_owned()),
+        ("sum", "minkowski() { sphere(1); cube(5); }\n".to_owned()),
+        ("scaled", "linear_extrude(height = 5, scale = 0.5) circle(9);\n".to_owned()),
+    ];
+    for (name, text) in &cases {
+        let file = format!("{name}.csg");
+        bench.write(&file, text);
+        for facets in [&[][..], &["--facets"]] {
+            let said = bench.says(&[&["check", &file, "--cells", "32"], facets].concat());
+            assert!(said.contains(": nothing found; lengths in mm\n"), "{name} {facets:?}: {said}");
+        }
+    }
+    bench.write("hole.csg", format!("difference() {{ {ring} cylinder(h = 9, r = 4); }}"));
+    let said = bench.says(&["check", "hole.csg", "--cells", "32"]);
+    assert!(
+        said.contains("absorbed 1") && said.contains("a cylinder takes nothing from the rest of model"),
+        "{said}"
+    );
+}
+
+/// A polyhedron whose faces are clockwise seen from outside, as OpenSCAD requires, is right; the reverse is not.
+#[test]
+fn polyhedra_of_dumps_are_the_right_way_out() {
+    let bench = Bench::new();
+    // a box with a pyramid subtracted from its floor
+    let faces = [
+        "[0, 1, 4]",
+        "[1, 2, 4]",
+        "[2, 3, 4]",
+        "[3, 0, 4]",
+        "[8, 7, 6, 5]",
+        "[0, 5, 6, 1]",
+        "[1, 6, 7, 2]",
+        "[2, 7, 8, 3]",
+        "[3, 8, 5, 0]",
+    ];
+    let reversed = |face: &str| {
+        let mut corners: Vec<&str> = face.trim_matches(['[', ']']).split(", ").collect();
+        corners.reverse();
+        format!("[{}]", corners.join(", "))
+    };
+    let text = |faces: &[String]| {
+        let points = "[[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0], [2, 2, 1], [0, 0, 4], [4, 0, 4], [4, 4, 4], [0, 4, 4]]";
+        format!("polyhedron(points = {points}, faces = [{}], convexity = 2);", faces.join(", "))
+    };
+    bench.write("right.csg", text(&faces.map(str::to_owned)));
+    bench.write("wrong.csg", text(&faces.map(reversed)));
+    let said = bench.says(&["check", "right.csg", "--cells", "16"]);
+    assert!(said.contains(": nothing found"), "{said}");
+    let said = bench.says(&["check", "wrong.csg", "--cells", "16"]);
+    assert!(said.contains("shells inside out: 1"), "{said}");
+}

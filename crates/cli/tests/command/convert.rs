@@ -18,7 +18,7 @@ fn every_format_is_written_and_read() {
     for ending in ["toml", "csg", "gdml", "stl", "obj", "ply", "off", "3mf"] {
         let out = format!("out.{ending}");
         let done = bench.run(&["convert", "part.toml", &out, "--tolerance", "0.01"]);
-        assert_eq!((done.code, done.out.as_str()), (0, ""), "{ending}: {}", done.err);
+        assert_eq!((done.code, done.out), (0, format!("wrote {out}\n")), "{ending}: {}", done.err);
         let is_mesh = !["toml", "csg", "gdml"].contains(&ending);
         assert_eq!(
             done.err.contains("approximated: curved faces, with triangles within 1.000e-2"),
@@ -50,6 +50,34 @@ fn every_format_is_written_and_read() {
 
 /// A fillet built of a torus and the cone through the ends of its arc: facets that are tangent to each other.
 #[test]
+fn one_solid_of_a_model() {
+    let bench = Bench::new();
+    let volume = |file: &str| bench.json(&["volume", file, "--json", "-q"]);
+    bench.write(
+        "part.toml",
+        &(PART.to_owned() + "[[region]]\nsolid = 'part'\n[[region]]\nsolid = 'bore'\nmedium = 'pin'\n"),
+    );
+    for (solid, expected) in [("plate", 32.0), ("part", 32.0 - 2.0 * std::f64::consts::PI)] {
+        for ending in ["toml", "csg", "obj"] {
+            let out = format!("{solid}.{ending}");
+            let done = bench.run(&["convert", "part.toml", &out, "--solid", solid, "--tolerance", "0.001"]);
+            assert_eq!(done.code, 0, "{}", done.err);
+            let found = volume(&out);
+            let found = found["regions"][0]["volume"]["value"].as_f64().unwrap_or_else(|| panic!("{found}"));
+            assert!((found - expected).abs() < 0.02 * expected, "{out} {found}");
+        }
+    }
+    let unknown = bench.fails(3, &["convert", "part.toml", "x.stl", "--solid", "prat"]);
+    assert!(unknown.contains("unknown solid `prat`") && unknown.contains("`part`"), "{unknown}");
+    // one body for all regions, and where they stay apart
+    let done = bench.run(&["convert", "part.toml", "all.stl"]);
+    let hint = "dropped: the division into regions: the file contains one body, their union; 3MF, OBJ and glTF keep the regions apart";
+    assert!(done.code == 0 && done.err.contains(hint), "{}", done.err);
+    let said = bench.says(&["check", "part.toml", "--solid", "plate", "--cells", "16"]);
+    assert!(said.contains("\nsampled with ") && said.contains(" rays: one part, 0 operands\n"), "{said}");
+}
+
+#[test]
 fn meshes_that_are_not_sound_are_refused_unless_allowed() {
     let bench = Bench::new();
     let model = "rayweave = 1\n[solid.rod]\ncylinder = { radius = 20, height = 10 }\n\
@@ -57,6 +85,13 @@ fn meshes_that_are_not_sound_are_refused_unless_allowed() {
         cone = { radius1 = 37, radius2 = 7, height = 30 }\ntransform = [{ translate = [0, 0, 5] }]\n\
         [solid.ring]\ntorus = { major = 17, minor = 3 }\ntransform = [{ translate = [0, 0, 7] }]\n\
         [solid.part]\nexpr = '(rod & chord) | (ring - chord)'\n";
+    // solids of revolution about one axis are combined by their profiles
+    bench.write("part.toml", model);
+    let done = bench.run(&["convert", "part.toml", "part.obj", "--tolerance", "0.05"]);
+    assert_eq!((done.code, done.out.as_str()), (0, "wrote part.obj\n"), "{}", done.err);
+    std::fs::remove_file(bench.path("part.obj")).unwrap();
+    // not if they are stretched
+    let model = &(model.to_owned() + "transform = { scale = [1, 1.5, 1] }\n");
     bench.write("part.toml", model);
     let refused = bench.fails(1, &["convert", "part.toml", "part.obj", "--tolerance", "0.05"]);
     assert!(refused.contains("the mesh of region `part` is not sound: "), "{refused}");

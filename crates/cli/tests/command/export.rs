@@ -6,7 +6,7 @@ use crate::bench::Bench;
 fn a_scene_for_pov_ray() {
     let bench = Bench::new();
     let done = bench.run(&["export", "ball.toml", "ball.pov", "-D", "R=2"]);
-    assert_eq!((done.code, done.out.as_str()), (0, ""), "{}", done.err);
+    assert_eq!((done.code, done.out.as_str()), (0, "wrote ball.pov\n"), "{}", done.err);
     assert!(done.err.contains("lost: edges: they are not drawn.\n"), "{}", done.err);
     let text = bench.read("ball.pov");
     assert!(text.starts_with("#version 3.7;\n"), "{text}");
@@ -14,6 +14,8 @@ fn a_scene_for_pov_ray() {
     assert!(text.contains("camera {\n  perspective\n  location <8.3"), "{text}");
     let piped = bench.run(&["export", "ball.toml", "-", "-D", "R=2"]);
     assert_eq!(piped.out, text);
+    let one = bench.run(&["export", "cemented.toml", "-", "--solid", "left"]);
+    assert!(one.out.contains("texture { Region0 }") && !one.out.contains("Region1"), "{}", one.out);
 }
 
 #[test]

@@ -89,10 +89,38 @@ fn cut_faces_are_hatched_and_dimensioned() {
     let bench = bench();
     bench.says(&["section", "cemented.toml", "--hatch", "--dimensions", "-o", "h.svg", "-o", "h.pdf"]);
     let svg = bench.read("h.svg");
-    // three media, each with its own lines
+    // three regions, each with its own lines
     let hatches: Vec<&str> = svg.lines().filter(|line| line.contains("class=\"hatch\"")).collect();
     assert_eq!(hatches.len(), 3);
     assert!(hatches.iter().all(|line| line.matches('L').count() > 5), "{svg}");
+    // two halves of one medium, with the edge between them; without --hatch they are one square of 2 by 2
+    let halves = "rayweave = 1\n[solid.a]\nbox_from_corners = { lo = [0, 0, -1], hi = [1, 2, 1] }\n[solid.b]\n\
+                  box_from_corners = { lo = [1, 0, -1], hi = [2, 2, 1] }\n[[region]]\nsolid = 'a'\nmedium = 'steel'\n\
+                  [[region]]\nsolid = 'b'\nmedium = 'steel'\n[medium.steel]\n";
+    bench.write("halves.toml", halves);
+    let parts = |more: &[&str]| {
+        let found = bench.json(&[&["section", "halves.toml", "--plane", "z", "--json"], more].concat());
+        found["sections"][0]["parts"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|p| p["area"].as_f64().unwrap())
+            .collect::<Vec<_>>()
+    };
+    let near = |found: &[f64], expected: &[f64]| {
+        found.len() == expected.len() && found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-2)
+    };
+    assert!(
+        near(&parts(&[]), &[4.0]) && near(&parts(&["--hatch"]), &[2.0, 2.0]),
+        "{:?}",
+        parts(&["--hatch"])
+    );
+    let said = bench.says(&["section", "halves.toml", "-o", "halves.svg"]);
+    let merged =
+        "\nregions with the same medium are merged; --by-region keeps them apart\nwrote halves.svg\n";
+    assert!(said.ends_with(merged), "{said}");
+    let said = bench.says(&["section", "halves.toml", "--by-region", "-q", "-o", "halves.svg"]);
+    assert!(!said.contains("merged") && !said.contains("wrote"), "{said}");
     // the bath is a ball with the diameter 20
     let values: Vec<&str> = svg.lines().filter(|line| line.contains("class=\"value\"")).collect();
     assert!(values.len() == 2 && values.iter().all(|line| line.contains(">20")), "{values:?}");

@@ -9,6 +9,13 @@ fn wrong_command_lines() {
     assert!(bench.fails(2, &["rendre", "ball.toml"]).contains("'render'"));
     assert!(bench.fails(2, &["info"]).contains("<MODEL>"));
     assert!(bench.fails(2, &["info", "ball.toml", "--jsn"]).contains("'--json'"));
+    // a file name that begins with two hyphens is not what was meant
+    let unknown = bench.fails(2, &["diff", "ball.toml", "cemented.toml", "--solid", "left"]);
+    assert!(
+        unknown.contains("unexpected argument '--solid' found") && !unknown.contains("as a value"),
+        "{unknown}"
+    );
+    assert!(bench.fails(2, &["info", "-x.toml"]).contains("'-- -x'"));
     assert!(bench.fails(2, &["info", "ball.toml", "-D", "R"]).contains("such as R=60"));
     assert!(bench.fails(2, &["info", "ball.toml", "--threads", "0"]).contains("--threads"));
 }

@@ -58,13 +58,13 @@ impl fmt::Display for LayoutPlane {
     }
 }
 
-/// Parses `yz`, `xz`, `xy`, or a coordinate along an axis: `x=2.5`.
+/// Parses `yz`, `xz`, `xy`, the axis perpendicular to the plane, or a coordinate along an axis: `x=2.5`.
 impl FromStr for LayoutPlane {
     type Err = DrawError;
 
     fn from_str(text: &str) -> Result<LayoutPlane, DrawError> {
         let problem = || {
-            let reason = "a plane is yz, xz, xy, or a coordinate along an axis, such as x=2.5";
+            let reason = "a plane is yz, xz, xy, the axis perpendicular to it, or a coordinate along an axis, such as x=2.5";
             DrawError::Option(Message::new(format!("`{text}` is not a plane"), reason))
         };
         let (axis, coordinate) = axis_and_place(text).ok_or_else(problem)?;

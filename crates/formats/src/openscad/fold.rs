@@ -3,6 +3,7 @@
 use super::arguments::{Arguments, Refusal};
 use super::extent::Way;
 use super::facets::{Fineness, sphere_rings};
+use super::flat::Flat;
 use super::mesh::{self, Twist};
 use super::operation::Operation;
 use super::primitive::CylinderSizes;
@@ -189,15 +190,18 @@ fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<S
             _ => Vec::new(),
         },
         "rotate_extrude" => match reader.extruded.get(&number) {
-            Some(flat) => {
-                let contours = boundary(arguments, &reader.flats, *flat)?;
-                let sectors = Sectors::of(reader, arguments, &contours)?;
-                vec![turned(arguments, &contours, &sectors)?]
-            }
+            Some(flat) => vec![turned_region(reader, arguments, *flat)?],
             None => Vec::new(),
         },
         _ => return Err(arguments.refusal("its boundary is unknown")),
     })
+}
+
+/// The facets of a `rotate_extrude` of a region, which may touch each other only if the region touches itself.
+pub(super) fn turned_region(reader: &Reader, arguments: &Arguments, flat: Flat) -> Result<Shell, Refusal> {
+    let contours = boundary(arguments, &reader.flats, flat)?;
+    let sectors = Sectors::of(reader, arguments, &contours)?;
+    turned(arguments, &contours, &sectors)
 }
 
 /// Contours revolved about the z axis.

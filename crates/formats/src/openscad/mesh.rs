@@ -75,7 +75,8 @@ pub(super) fn between_rings(rings: &[[f64; 2]], fragments: usize) -> (Vec<Vec3>,
     (ring_points(rings, fragments), triangles)
 }
 
-/// Points and triangles of a `polyhedron`.
+/// Points of a `polyhedron`, and triangles that are counter-clockwise seen from outside: OpenSCAD lists the corners of a face
+/// clockwise.
 pub(super) fn parts(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<[usize; 3]>), Refusal> {
     let (points, faces) = points_and_faces(arguments)?;
     for face in &faces {
@@ -88,7 +89,8 @@ pub(super) fn parts(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<[usize; 3]>
         })?;
     }
     let mut ears = rayweave_mesh::EarBudget::default();
-    let triangles = faces.iter().flat_map(|face| cut(&points, face, &mut ears)).collect();
+    let turned = |[a, b, c]: [usize; 3]| [a, c, b];
+    let triangles = faces.iter().flat_map(|face| cut(&points, face, &mut ears)).map(turned).collect();
     Ok((points, triangles))
 }
 

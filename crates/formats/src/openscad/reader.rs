@@ -7,14 +7,14 @@ use super::drawing::TOLERANCE;
 use super::extent::Way;
 use super::extrude::extruded;
 use super::flat::{self, Flat, Leaf};
-use super::fold::{Start, is_union};
+use super::fold::{Start, is_union, turned_region};
 use super::hull::Generator;
 use super::import::Imported;
 use super::mesh::Twist;
 use super::operation::Operation;
 use super::part::{Part, Piece};
 use super::revolve::Turn;
-use super::shell::Shell;
+use super::shell::{Shell, one_item, one_item_with};
 use super::state::Reader;
 use super::syntax::Node;
 use super::text::text;
@@ -298,7 +298,7 @@ impl<'a> Reader<'a> {
         };
         let is_twisted = arguments.number("twist", 0.0)? != 0.0;
         if !is_twisted && (way.is_even() || !self.options.facets) {
-            return Ok(extruded(arguments, &self.flats, flat, &way)?.into());
+            return Ok(one_item(&extruded(arguments, &self.flats, flat, &way)?).into());
         }
         if !self.options.facets {
             let why = arguments.approximation("is twisted in slices, with the facets of OpenSCAD");
@@ -320,7 +320,11 @@ impl<'a> Reader<'a> {
         for message in turn.approximations {
             self.report.add(LossKind::Approximated, "rotate_extrude()", arguments.approximation(message));
         }
-        Ok(solid.into())
+        if !self.options.facets {
+            return Ok(one_item(&solid).into());
+        }
+        let shell = turned_region(self, arguments, flat);
+        Ok(shell.map_or_else(|_| one_item(&solid), |shell| one_item_with(&solid, shell)).into())
     }
 
     fn hull(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
@@ -334,7 +338,7 @@ impl<'a> Reader<'a> {
                     self.report.add(LossKind::Approximated, "hull()", why);
                 }
                 self.keep(number, arguments, &[generators])?;
-                Ok(found.solid.map_or(Part::Empty, Part::from))
+                Ok(found.solid.map_or(Part::Empty, |solid| one_item(&solid).into()))
             }
             Part::Flat(pieces) => {
                 let flat = self.whole(pieces);
@@ -510,7 +514,7 @@ impl<'a> Reader<'a> {
             self.report.add(LossKind::Approximated, "minkowski()", why);
         }
         self.keep(number, arguments, &found.parts)?;
-        Ok(found.solid.map_or(Part::Empty, Part::from))
+        Ok(found.solid.map_or(Part::Empty, |solid| one_item(&solid).into()))
     }
 
     /// Minkowski sum of arbitrary solids, in facets.

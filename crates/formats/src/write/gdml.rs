@@ -18,7 +18,7 @@ use super::{RemarkKind, WriteError};
 use crate::gdml::{NO_REGION, kept, stated};
 use rayweave_math::{Affine, Bounds, Mat3, Vec3, any_perpendicular};
 use rayweave_mesh::Mesh;
-use rayweave_model::Solid;
+use rayweave_model::{Boundary, Motion, Solid, Swept};
 use rayweave_scene::{Datum, Foreign};
 use rayweave_shape::primitive::{Primitive, Value};
 use std::collections::{HashMap, HashSet};
@@ -409,6 +409,37 @@ impl Builder for Writer<'_, '_> {
         Some(Part { solid: own, place: *place })
     }
 
+    /// A revolved outline of one contour as a `genericPolycone`.
+    fn bounded(&mut self, boundary: &dyn Boundary, place: &Affine) -> Result<Option<Part>, WriteError> {
+        let Some((turn, s)) = decomposed(&place.linear) else { return Ok(None) };
+        let is_even = [s.x, s.y].iter().all(|own| (own - s.z).abs() <= PERPENDICULAR * s.z);
+        let is_mirrored = place.linear.determinant() < 0.0;
+        let tolerance = facets::tolerance_within(place, self.scale * self.model.tolerance);
+        let Some(Swept { polygons, has_chords, motion: Motion::About { start, sweep } }) =
+            boundary.swept(tolerance)
+        else {
+            return Ok(None);
+        };
+        // a mirror image, which `decomposed` omits, starts at another angle
+        let is_similar = is_even && (sweep == 360.0 || !is_mirrored);
+        let ([polygon], true) = (&polygons[..], is_similar) else { return Ok(None) };
+        let name = self.name();
+        let _ = writeln!(
+            self.solids,
+            "    <genericPolycone name=\"{name}\" startphi=\"{start:?}\" deltaphi=\"{sweep:?}\" aunit=\"deg\" lunit=\"mm\">"
+        );
+        for [r, z] in polygon {
+            let _ = writeln!(self.solids, "      <rzpoint r=\"{:?}\" z=\"{:?}\"/>", s.z * r, s.z * z);
+        }
+        let _ = writeln!(self.solids, "    </genericPolycone>");
+        if has_chords {
+            let what = self.model.arcs_remark(self.region);
+            self.remarks.add(RemarkKind::Approximated, what);
+        }
+        let place = Affine { linear: turn, translation: place.translation };
+        Ok(Some(Part { solid: name, place }))
+    }
+
     fn leaf(
         &mut self,
         shape: &Primitive,
@@ -428,12 +459,7 @@ impl Builder for Writer<'_, '_> {
             return Ok(self.half_space(normal_there, offset + normal_there.dot(place.translation)));
         }
         if planes.is_none() && !matches!(shape, Primitive::Mesh(_)) {
-            let tolerance = self.model.tolerance;
-            let what = format!(
-                "`{}`, with triangles within {tolerance:.3e} {}",
-                shape.name(),
-                self.model.scene.unit
-            );
+            let what = self.model.triangles_remark(shape, self.region);
             self.remarks.add(RemarkKind::Approximated, what);
         }
         let tolerance = self.scale * self.model.tolerance;

@@ -75,14 +75,8 @@ pub fn write(
 /// [`WriteError`].
 pub fn triangulate(scene: &Scene, options: &WriteOptions) -> Result<Vec<(String, Mesh)>, WriteError> {
     let model = Model::new(scene, Format::Mesh(MeshFormat::Stl), options)?;
-    let mut parts = Vec::new();
-    for (region, body) in triangles::meshes(&model)? {
-        let mesh = body.mesh().map_err(|why| WriteError::Kernel { region: region.clone(), why })?;
-        if !mesh.is_flat() {
-            parts.push((region, mesh));
-        }
-    }
-    Ok(parts)
+    let parts = triangles::meshes(&model)?.into_iter().filter(|made| !made.mesh.is_flat());
+    Ok(parts.map(|made| (made.name, made.mesh)).collect())
 }
 
 /// The original document or, if it refers to other files, which may be missing in the folder of the new one, a document with

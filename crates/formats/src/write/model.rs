@@ -6,6 +6,7 @@ use crate::Format;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::Program;
 use rayweave_scene::{Scene, SceneRegion, Unit};
+use rayweave_shape::primitive::Primitive;
 use rayweave_shape::surface::{MeshForm, Surface};
 use std::any::Any;
 
@@ -79,6 +80,24 @@ impl<'s> Model<'s> {
                 "regions: later regions that may overlap a region are subtracted from it",
             );
         }
+    }
+
+    /// The remark on a shape that becomes triangles.
+    pub fn triangles_remark(&self, shape: &Primitive, region: usize) -> String {
+        let (name, region) = (shape.name(), &self.scene.regions[region].name);
+        format!(
+            "`{name}` in region `{region}`, with triangles within {:.3e} {}",
+            self.tolerance, self.scene.unit
+        )
+    }
+
+    /// The remark on arcs of a revolved outline that become chords.
+    pub fn arcs_remark(&self, region: usize) -> String {
+        let region = &self.scene.regions[region].name;
+        format!(
+            "arcs of a revolved outline in region `{region}`, with chords within {:.3e} {}",
+            self.tolerance, self.scene.unit
+        )
     }
 
     /// Adds remarks on data that only the native format holds.

@@ -1,7 +1,7 @@
 //! OpenSCAD writer: the flattened language, which OpenSCAD reads as a program and [`crate::openscad`] as a dump.
 //!
 //! Boxes, balls, cylinders, cones and tori are OpenSCAD items under `multmatrix`; shapes with planar faces are
-//! `polyhedron`s. Round shapes stay exactly round for readers that support it; `$fn` is the number of facets required by the
+//! `polyhedron`s. Outlines are `rotate_extrude` and `linear_extrude` of polygons, with chords for the arcs of revolutions. Round shapes stay exactly round for readers that support it; `$fn` is the number of facets required by the
 //! tolerance. Other shapes are `polyhedron`s of triangles. The regions are the top-level items of the file, each with its
 //! colour. If the scene is not in millimetres, the usual unit of OpenSCAD, each region is scaled to millimetres.
 
@@ -12,6 +12,7 @@ use super::remark::Remarks;
 use super::{RemarkKind, WriteError};
 use rayweave_math::{Affine, Bounds, MAX_AROUND, Vec3};
 use rayweave_mesh::Mesh;
+use rayweave_model::{Boundary, Motion, Swept};
 use rayweave_scene::Colour;
 use rayweave_shape::primitive::{Primitive, Value};
 use std::collections::{BTreeSet, HashMap};
@@ -235,12 +236,7 @@ impl Builder for Writer<'_, '_> {
             return Ok(Some(self.add(Piece::Text(under(place, &text)))));
         }
         if facets::planes_of(&shape.lower()).is_none() {
-            let what = format!(
-                "`{}`, with triangles within {:.3e} {}",
-                shape.name(),
-                self.model.tolerance,
-                self.model.scene.unit
-            );
+            let what = self.model.triangles_remark(shape, self.region);
             self.remarks.add(RemarkKind::Approximated, what);
         }
         let clip = facets::clip_box(shape, &self.room(shape), within);
@@ -252,6 +248,37 @@ impl Builder for Writer<'_, '_> {
         let body = facets::body(&request).map_err(failed)?;
         let mesh = body.map(|body| body.mesh()).transpose().map_err(failed)?;
         Ok(mesh.map(|mesh| self.add(Piece::Text(polyhedron(&mesh)))))
+    }
+
+    /// An extruded or revolved outline. Prisms over arcs are written from their trees, which are exact.
+    fn bounded(&mut self, boundary: &dyn Boundary, place: &Affine) -> Result<Option<usize>, WriteError> {
+        let tolerance = facets::tolerance_within(place, self.model.tolerance);
+        let Some(Swept { polygons, has_chords, motion }) = boundary.swept(tolerance) else { return Ok(None) };
+        let region = polygon(&polygons);
+        let text = match motion {
+            Motion::Along { .. } if has_chords => return Ok(None),
+            Motion::Along { lo, hi } => {
+                let height = hi - lo;
+                let item = format!(
+                    "linear_extrude(height = {height:?}, center = false, convexity = 4) {{ {region} }}"
+                );
+                under(&Affine::translate(Vec3::Z * lo), &item)
+            }
+            Motion::About { start, sweep } => {
+                let reach = polygons.iter().flatten().map(|point| point[0]).fold(0.0, f64::max);
+                let fragments = self.fragments(place, reach);
+                let item = format!(
+                    "rotate_extrude(angle = {sweep:?}, convexity = 4, $fn = {fragments}, $fa = 12, $fs = 2) {{ {region} }}"
+                );
+                let turn = if sweep == 360.0 { Affine::IDENTITY } else { Affine::rotation(Vec3::Z, start) };
+                under(&turn, &item)
+            }
+        };
+        if has_chords {
+            let what = self.model.arcs_remark(self.region);
+            self.remarks.add(RemarkKind::Approximated, what);
+        }
+        Ok(Some(self.add(Piece::Text(under(place, &text)))))
     }
 
     fn join(&mut self, by: Operation, parts: Vec<usize>) -> Result<Option<usize>, WriteError> {
@@ -285,6 +312,19 @@ fn under(map: &Affine, item: &str) -> String {
 fn cuboid(bounds: &Bounds) -> String {
     let cube = format!("cube(size = {}, center = false);", vector(bounds.size()));
     under(&Affine::translate(bounds.lo), &cube)
+}
+
+/// The region within polygons by the even-odd rule.
+fn polygon(polygons: &[Vec<[f64; 2]>]) -> String {
+    let points: Vec<String> = polygons.iter().flatten().map(|[x, y]| format!("[{x:?}, {y:?}]")).collect();
+    let mut next = 0;
+    let path = |polygon: &Vec<[f64; 2]>| {
+        let numbers: Vec<String> = (next..next + polygon.len()).map(|number| number.to_string()).collect();
+        next += polygon.len();
+        format!("[{}]", numbers.join(", "))
+    };
+    let paths: Vec<String> = polygons.iter().map(path).collect();
+    format!("polygon(points = [{}], paths = [{}], convexity = 4);", points.join(", "), paths.join(", "))
 }
 
 /// OpenSCAD faces are clockwise seen from outside.

@@ -1,6 +1,6 @@
 //! Mesh writer: each region as a closed triangle mesh within the tolerance.
 
-use super::facets::{self, Request};
+use super::facets::{self, Frame, Request, Turned};
 use super::fold::{Builder, Operation, fold};
 use super::model::Model;
 use super::remark::Remarks;
@@ -8,33 +8,120 @@ use super::{RemarkKind, WriteError, WriteOptions};
 use crate::Format;
 use crate::kernel::Body;
 use rayweave_math::{Affine, Bounds, Vec3};
-use rayweave_mesh::Mesh;
+use rayweave_mesh::{Diagnosis, Mesh};
 use rayweave_mesh_io::{MeshFormat, MeshWriteOptions, ThreeMfUnit, write_objects};
 use rayweave_model::Boundary;
 use rayweave_scene::{Colour, Unit};
 use rayweave_shape::primitive::Primitive;
 
+/// How the shapes of a region are combined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// Each shape as a body of facets.
+    Bodies,
+    /// Solids of revolution about a common axis by their profiles.
+    Profiles,
+}
+
+/// A part of a region.
+#[derive(Clone)]
+enum Part {
+    /// The clip box.
+    Everything,
+    Turned(Turned),
+    Body(Body),
+}
+
 /// Builder of triangle bodies.
 struct Triangulator<'m, 's> {
     model: &'m Model<'s>,
     region: usize,
+    way: Way,
+    /// Number of profiles that were combined.
+    combined: usize,
 }
 
-impl Triangulator<'_, '_> {
+impl<'m> Triangulator<'m, '_> {
     fn failed(&self, why: String) -> WriteError {
         WriteError::Kernel { region: self.region(), why }
+    }
+
+    fn frame(&self) -> Frame<'m> {
+        Frame { clip: &self.model.clip, tolerance: self.model.tolerance }
+    }
+
+    fn body(&self, part: Part) -> Result<Option<Body>, String> {
+        match part {
+            Part::Everything => Ok(Some(Body::cuboid(&self.model.clip))),
+            Part::Turned(turned) => turned.body(self.frame()),
+            Part::Body(body) => Ok(Some(body)),
+        }
+    }
+
+    /// Combines the parts with the axis of the first solid of revolution, then the others as bodies.
+    fn joined(&mut self, by: Operation, parts: Vec<Part>) -> Result<Option<Part>, String> {
+        let frame = self.frame();
+        // a difference is combined with its first part only
+        let (axis, is_first) = match (&parts[..], by) {
+            ([Part::Everything, Part::Turned(axis), ..], Operation::Difference) => (Some(axis.clone()), true),
+            ([first, ..], Operation::Difference) => match first {
+                Part::Turned(axis) => (Some(axis.clone()), true),
+                _ => (None, false),
+            },
+            (all, _) => {
+                let turned = all.iter().find_map(|part| match part {
+                    Part::Turned(axis) => Some(axis.clone()),
+                    _ => None,
+                });
+                (turned, false)
+            }
+        };
+        let Some(axis) = axis else { return self.join_bodies(by, parts) };
+        let (mut own, mut others) = (Vec::new(), Vec::new());
+        for (number, part) in parts.into_iter().enumerate() {
+            match part {
+                Part::Everything if !is_first || number == 0 => own.push(Turned::everything(&axis, frame)),
+                Part::Turned(turned) if turned.is_coaxial(&axis, frame) => own.push(turned),
+                part => others.push(part),
+            }
+        }
+        self.combined += own.len() - 1;
+        let Some(own) = Turned::join(by, own, frame) else {
+            return if by == Operation::Union { self.join_bodies(by, others) } else { Ok(None) };
+        };
+        if others.is_empty() {
+            return Ok(Some(Part::Turned(own)));
+        }
+        others.insert(0, Part::Turned(own));
+        self.join_bodies(by, others)
+    }
+
+    fn join_bodies(&self, by: Operation, parts: Vec<Part>) -> Result<Option<Part>, String> {
+        let mut bodies = Vec::with_capacity(parts.len());
+        for (number, part) in parts.into_iter().enumerate() {
+            match (self.body(part)?, by) {
+                (Some(body), _) => bodies.push(body),
+                (None, Operation::Intersection) => return Ok(None),
+                (None, Operation::Difference) if number == 0 => return Ok(None),
+                (None, _) => {}
+            }
+        }
+        Ok(match bodies.is_empty() {
+            true => None,
+            false => combine(by, bodies)?.map(Part::Body),
+        })
     }
 }
 
 impl Builder for Triangulator<'_, '_> {
-    type Part = Body;
+    type Part = Part;
 
     fn clip(&self) -> Bounds {
         self.model.clip
     }
 
-    fn everything(&mut self) -> Body {
-        Body::cuboid(&self.model.clip)
+    fn everything(&mut self) -> Part {
+        Part::Everything
     }
 
     fn leaf(
@@ -42,22 +129,29 @@ impl Builder for Triangulator<'_, '_> {
         shape: &Primitive,
         place: &Affine,
         within: &Bounds,
-    ) -> Result<Option<Body>, WriteError> {
+    ) -> Result<Option<Part>, WriteError> {
+        let failed = |why: String| self.failed(format!("`{}`: {why}", shape.name()));
+        if self.way == Way::Profiles
+            && let Some(turned) = Turned::of(shape, place, self.frame()).map_err(failed)?
+        {
+            return Ok(Some(Part::Turned(turned)));
+        }
         let clip = facets::clip_box(shape, &self.model.clip, within);
         let request = Request { shape, place, clip: &clip, tolerance: self.model.tolerance };
-        facets::body(&request).map_err(|why| self.failed(format!("`{}`: {why}", shape.name())))
+        Ok(facets::body(&request).map_err(failed)?.map(Part::Body))
     }
 
-    fn bounded(&mut self, boundary: &dyn Boundary, place: &Affine) -> Result<Option<Body>, WriteError> {
+    fn bounded(&mut self, boundary: &dyn Boundary, place: &Affine) -> Result<Option<Part>, WriteError> {
         let Some(facets) = boundary.facets(facets::tolerance_within(place, self.model.tolerance)) else {
             return Ok(None);
         };
         let body = Body::from_facets(facets).map_err(|why| self.failed(why))?;
-        body.map_or(Ok(None), |body| body.placed(place)).map_err(|why| self.failed(why))
+        let placed = body.map_or(Ok(None), |body| body.placed(place)).map_err(|why| self.failed(why))?;
+        Ok(placed.map(Part::Body))
     }
 
-    fn join(&mut self, by: Operation, parts: Vec<Body>) -> Result<Option<Body>, WriteError> {
-        combine(by, parts).map_err(|why| self.failed(why))
+    fn join(&mut self, by: Operation, parts: Vec<Part>) -> Result<Option<Part>, WriteError> {
+        self.joined(by, parts).map_err(|why| self.failed(why))
     }
 
     fn region(&self) -> String {
@@ -90,16 +184,74 @@ fn combine(operation: Operation, mut parts: Vec<Body>) -> Result<Option<Body>, S
     }
 }
 
-/// The solid of a region before subtractions.
-fn solid(model: &Model, region: usize) -> Result<Option<Body>, WriteError> {
-    fold(&model.scene.regions[region].solid, &mut Triangulator { model, region })
+/// The solid of a region before subtractions, and whether profiles were combined.
+fn solid(model: &Model, region: usize, way: Way) -> Result<(Option<Body>, bool), WriteError> {
+    let mut builder = Triangulator { model, region, way, combined: 0 };
+    let part = fold(&model.scene.regions[region].solid, &mut builder)?;
+    let body = part.map_or(Ok(None), |part| builder.body(part)).map_err(|why| builder.failed(why))?;
+    Ok((body, builder.combined > 0))
 }
 
-/// Meshes of all regions, with their names.
-pub(super) fn meshes(model: &Model) -> Result<Vec<(String, Body)>, WriteError> {
-    let count = model.scene.regions.len();
-    let solids: Vec<Option<Body>> =
-        (0..count).map(|region| solid(model, region)).collect::<Result<_, _>>()?;
+/// The bodies of all regions before subtractions.
+struct Solids {
+    bodies: Vec<Option<Body>>,
+    /// True if profiles were combined.
+    has_profiles: bool,
+}
+
+impl Solids {
+    fn of(model: &Model, way: Way) -> Result<Solids, WriteError> {
+        let mut all = Solids { bodies: Vec::new(), has_profiles: false };
+        for region in 0..model.scene.regions.len() {
+            let (body, has_profiles) = solid(model, region, way)?;
+            all.bodies.push(body);
+            all.has_profiles |= has_profiles;
+        }
+        Ok(all)
+    }
+}
+
+/// The mesh of a body with its name and its defects.
+pub(super) struct Made {
+    pub name: String,
+    pub mesh: Mesh,
+    pub diagnosis: Diagnosis,
+}
+
+/// Bodies as meshes. If one of them is not sound, solids of revolution are combined by their profiles instead; that takes longer, and
+/// equal circles of neighbouring regions may have different facets.
+fn sound(
+    model: &Model,
+    combined: impl Fn(&Model, &Solids) -> Result<Vec<(String, Body)>, WriteError>,
+) -> Result<Vec<Made>, WriteError> {
+    let made = |solids: &Solids| -> Result<Vec<Made>, WriteError> {
+        let bodies = combined(model, solids)?.into_iter();
+        let meshes = bodies.map(|(name, body)| match body.mesh() {
+            Ok(mesh) => Ok(Made { diagnosis: mesh.diagnose(), name, mesh }),
+            Err(why) => Err(WriteError::Kernel { region: name, why }),
+        });
+        meshes.collect()
+    };
+    let is_sound = |all: &[Made]| all.iter().all(|one| one.diagnosis.is_sound() || one.mesh.is_flat());
+    let first = made(&Solids::of(model, Way::Bodies)?)?;
+    if is_sound(&first) {
+        return Ok(first);
+    }
+    let again = Solids::of(model, Way::Profiles).and_then(|solids| match solids.has_profiles {
+        true => made(&solids).map(Some),
+        false => Ok(None),
+    });
+    // the defects of the usual way are reported if there is no better one
+    Ok(again.ok().flatten().filter(|again| is_sound(again)).unwrap_or(first))
+}
+
+/// Meshes of all regions.
+pub(super) fn meshes(model: &Model) -> Result<Vec<Made>, WriteError> {
+    sound(model, apart)
+}
+
+/// The bodies of all regions, with their names, minus later ones.
+fn apart(model: &Model, Solids { bodies: solids, .. }: &Solids) -> Result<Vec<(String, Body)>, WriteError> {
     let mut bodies = Vec::new();
     for (number, region) in model.regions() {
         let Some(body) = &solids[number] else { continue };
@@ -116,18 +268,20 @@ pub(super) fn meshes(model: &Model) -> Result<Vec<(String, Body)>, WriteError> {
 
 /// All regions as one body: the solids are united before any subtraction, so that no coincident cut faces arise, and
 /// regions of the world's medium are subtracted.
-fn whole(model: &Model) -> Result<Option<Body>, WriteError> {
+fn whole(model: &Model, solids: &Solids) -> Result<Vec<(String, Body)>, WriteError> {
     let mut together = Vec::new();
-    for (number, region) in model.scene.regions.iter().enumerate() {
+    for (region, body) in model.scene.regions.iter().zip(&solids.bodies) {
         let failed = |why| WriteError::Kernel { region: region.name.clone(), why };
-        let Some(body) = solid(model, number)? else { continue };
+        let Some(body) = body.clone() else { continue };
         if region.medium != 0 {
             together.push(body);
         } else if let Some(all) = Body::union_all(std::mem::take(&mut together)).map_err(failed)? {
             together.extend(all.difference(&body).map_err(failed)?);
         }
     }
-    Body::union_all(together).map_err(|why| WriteError::Kernel { region: "model".to_owned(), why })
+    let all = Body::union_all(together);
+    let all = all.map_err(|why| WriteError::Kernel { region: "model".to_owned(), why })?;
+    Ok(all.into_iter().map(|body| (String::new(), body)).collect())
 }
 
 pub(super) fn write(
@@ -138,22 +292,24 @@ pub(super) fn write(
 ) -> Result<Vec<u8>, WriteError> {
     let is_plain =
         matches!(format, MeshFormat::Ply | MeshFormat::Off) || format == MeshFormat::Stl && !options.text;
-    let bodies = if is_plain && model.regions().count() > 1 {
-        remarks.add(RemarkKind::Dropped, "the division into regions: the file contains one body");
-        whole(model)?.into_iter().map(|body| (String::new(), body)).collect()
+    let all = if is_plain && model.regions().count() > 1 {
+        remarks.add(
+            RemarkKind::Dropped,
+            "the division into regions: the file contains one body, their union; 3MF, OBJ and glTF keep the regions apart",
+        );
+        sound(model, whole)?
     } else {
         model.remark_on_cuts(remarks);
         meshes(model)?
     };
     remark_on_format(model, format, options, remarks);
     let mut parts = Vec::new();
-    for (name, body) in &bodies {
+    for Made { name, mesh, diagnosis } in &all {
         let failed = |why: String| WriteError::Kernel { region: name.clone(), why };
-        let mesh = body.mesh().map_err(failed)?;
         let mapped = |mesh: &Mesh, map: &dyn Fn(Vec3) -> Vec3| {
             mesh.mapped(map).map_err(|error| failed(error.to_string()))
         };
-        let written = mapped(&mesh, &|p| in_format(p, format, model))?;
+        let written = mapped(mesh, &|p| in_format(p, format, model))?;
         let in_file = mapped(&written, &|p| in_precision(p, format, options))?;
         // such as a volume that its daughters fill: no reader accepts films of the thickness of rounding errors as a solid
         if in_file.is_flat() {
@@ -161,10 +317,9 @@ pub(super) fn write(
             remarks.add(RemarkKind::Changed, text);
             continue;
         }
-        let diagnosis = mesh.diagnose();
         if !diagnosis.is_sound() {
             if !options.allow_unsound {
-                return Err(WriteError::unsound(name, &diagnosis));
+                return Err(WriteError::unsound(name, diagnosis));
             }
             remarks.add(RemarkKind::Approximated, format!("the mesh of `{name}` is not sound: {diagnosis}"));
         }

@@ -1,8 +1,11 @@
 //! Solids bounded by triangles: twisted extrusions, polyhedra, and imported mesh files.
 
 use crate::folder::Folder;
-use crate::measure::{check_volume, losses, read, volume};
-use rayweave_formats::LossKind;
+use crate::measure::{check_volume, losses, read, volume, whole};
+use rayweave_formats::{Format, LossKind, WriteOptions, write};
+use rayweave_mesh::Diagnosis;
+use rayweave_scene::Scene;
+use rayweave_shape::primitive::Primitive;
 
 const NEAR: f64 = 1e-3;
 
@@ -29,6 +32,81 @@ fn polyhedra_that_are_not_convex_and_contours_that_cross_themselves() {
         LossKind::Refused,
     );
     assert!(refused == 1 && messages.contains("polyhedron()"), "{messages}");
+}
+
+/// The diagnoses of all meshes of a scene.
+fn diagnoses(scene: &Scene) -> Vec<Diagnosis> {
+    let mut waiting: Vec<_> = scene.regions.iter().map(|region| region.solid.clone()).collect();
+    let mut found = Vec::new();
+    while let Some(solid) = waiting.pop() {
+        if let rayweave_model::Node::Primitive(Primitive::Mesh(mesh)) = solid.node() {
+            found.push(mesh.solid().to_mesh().diagnose());
+        }
+        waiting.extend(solid.node().operand_refs().cloned());
+    }
+    found
+}
+
+/// The prism over an L of area 12 from z = 0 to 3, with its faces clockwise seen from outside as OpenSCAD requires.
+const ELL: &str = "polyhedron(points = [[0, 0, 0], [4, 0, 0], [4, 2, 0], [2, 2, 0], [2, 4, 0], [0, 4, 0], [0, 0, 3], [4, 0, 3], \
+                   [4, 2, 3], [2, 2, 3], [2, 4, 3], [0, 4, 3]], faces = [[0, 1, 2, 3, 4, 5], [11, 10, 9, 8, 7, 6], [1, 0, 6, 7], \
+                   [2, 1, 7, 8], [3, 2, 8, 9], [4, 3, 9, 10], [5, 4, 10, 11], [0, 5, 11, 6]]);";
+
+#[test]
+fn faces_are_clockwise_seen_from_outside() {
+    let reversed = ELL
+        .replace("[0, 1, 2, 3, 4, 5]", "[5, 4, 3, 2, 1, 0]")
+        .replace("[11, 10, 9, 8, 7, 6]", "[6, 7, 8, 9, 10, 11]")
+        .replace("[1, 0, 6, 7]", "[7, 6, 0, 1]")
+        .replace("[2, 1, 7, 8]", "[8, 7, 1, 2]")
+        .replace("[3, 2, 8, 9]", "[9, 8, 2, 3]")
+        .replace("[4, 3, 9, 10]", "[10, 9, 3, 4]")
+        .replace("[5, 4, 10, 11]", "[11, 10, 4, 5]")
+        .replace("[0, 5, 11, 6]", "[6, 11, 5, 0]");
+    for (text, is_right) in [(ELL, true), (reversed.as_str(), false)] {
+        let scene = whole(text, false);
+        let [diagnosis] = &diagnoses(&scene)[..] else { panic!("{text}") };
+        assert_eq!(diagnosis.is_sound(), is_right, "{diagnosis}");
+        assert_eq!(
+            diagnosis.components.iter().filter(|shell| shell.is_inside_out()).count(),
+            usize::from(!is_right)
+        );
+        // the solid does not depend on the order
+        check_volume(text, false, 24.0 + 12.0, NEAR);
+        assert_eq!(diagnosis.volume(), Some(36.0));
+    }
+    // the writer follows the same rule, also for a file that did not
+    for text in [ELL, &reversed] {
+        let written = write(&whole(text, false), None, Format::OpenScad, &WriteOptions::default()).unwrap();
+        let again = diagnoses(&whole(&String::from_utf8(written.bytes).unwrap(), false));
+        assert!(again.len() == 1 && again.iter().all(Diagnosis::is_sound) == (text == ELL), "{again:?}");
+    }
+}
+
+/// All other items that become meshes.
+#[test]
+fn meshes_of_the_reader_are_the_right_way_out() {
+    let folder = Folder::new("orientation");
+    std::fs::write(folder.0.join("part.off"), TETRAHEDRON).expect("a file");
+    std::fs::write(folder.0.join("map.dat"), "1 2 3 5\n2 2 4 1\n0 1 0 2\n").expect("a file");
+    let cross = "polygon(points = [[0, 0], [4, 4], [4, 0], [0, 4]])";
+    for text in [
+        "linear_extrude(height = 20, twist = 90, $fn = 12) square(size = [20, 10], center = true);".to_owned(),
+        "linear_extrude(height = 20, twist = -90, scale = 0.5, $fn = 12) difference() { circle(9); circle(4); }".to_owned(),
+        format!("linear_extrude(height = 2) {cross};"),
+        "linear_extrude(height = 2) circle(5, $fn = 99);".to_owned(),
+        "sphere(5, $fn = 30);".to_owned(),
+        "cylinder(h = 9, r1 = 5, r2 = 2, $fn = 99);".to_owned(),
+        "cylinder(h = 9, r1 = 0, r2 = 2, $fn = 99);".to_owned(),
+        "hull() { sphere(5, $fn = 30); cube(9); }".to_owned(),
+        "minkowski() { sphere(2, $fn = 12); difference() { cube(9); cube(4); } }".to_owned(),
+        "surface(file = \"map.dat\");".to_owned(),
+        "import(file = \"part.off\");".to_owned(),
+    ] {
+        let options = rayweave_formats::Options { facets: true, ..Default::default() };
+        let all = diagnoses(&folder.read_with(&text, &options).scene);
+        assert!(!all.is_empty() && all.iter().all(Diagnosis::is_sound), "{text}: {all:?}");
+    }
 }
 
 /// Volumes of the exports of OpenSCAD 2021.01.

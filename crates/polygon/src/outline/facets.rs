@@ -9,7 +9,7 @@ use super::rim::{Rim, mitre_shift};
 use super::{Contour, Outline};
 use crate::{Point, from_polygons};
 use rayweave_math::{Vec3, circle_count, sin_cos_degrees};
-use rayweave_model::{Boundary, Facets, FlatFace, MAX_POINTS};
+use rayweave_model::{Boundary, Facets, FlatFace, MAX_POINTS, Motion, Swept};
 use rayweave_rootray::Side;
 use std::f64::consts::PI;
 
@@ -176,7 +176,22 @@ fn profile(rim: Rim, tolerance: f64) -> Option<Vec<[f64; 2]>> {
     })
 }
 
+/// The positions of the corners of all contours.
+fn polygons(contours: &[Vec<Corner>]) -> Vec<Vec<Point>> {
+    contours.iter().map(|contour| distinct(contour, 0.0)).collect()
+}
+
 impl Boundary for Prism {
+    fn swept(&self, tolerance: f64) -> Option<Swept> {
+        if self.rims.iter().any(|rim| !matches!(rim, Rim::Sharp)) {
+            return None;
+        }
+        let contours = self.outline.simple_chords(tolerance, &[0.0])?;
+        let [lo, hi] = self.z;
+        let has_chords = self.outline.is_bent();
+        Some(Swept { polygons: polygons(&contours), has_chords, motion: Motion::Along { lo, hi } })
+    }
+
     fn facets(&self, tolerance: f64) -> Option<Facets> {
         let is_rounded = self.rims.iter().any(|rim| matches!(rim, Rim::Fillet(_)));
         // faces curved in two directions use half of the tolerance in each
@@ -249,6 +264,17 @@ fn quad(facets: &mut Facets, [a, b, c, d]: [u32; 4]) {
 }
 
 impl Boundary for Revolution {
+    fn swept(&self, tolerance: f64) -> Option<Swept> {
+        let has_chords = self.outline.is_bent();
+        let contours =
+            self.outline.simple_chords(if has_chords { 0.5 * tolerance } else { tolerance }, &[0.0])?;
+        let mut polygons = polygons(&contours);
+        // rounding may have moved a point beyond the axis
+        polygons.iter_mut().flatten().for_each(|point| point[0] = point[0].max(0.0));
+        let motion = Motion::About { start: self.start, sweep: self.sweep };
+        Some(Swept { polygons, has_chords, motion })
+    }
+
     fn facets(&self, tolerance: f64) -> Option<Facets> {
         let [low, high] = self.outline.bounds;
         let larger = (high[0] - low[0]).max(high[1] - low[1]);

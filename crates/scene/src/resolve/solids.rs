@@ -16,7 +16,7 @@ use crate::source::{Span, Spanned};
 use crate::suggestion::did_you_mean;
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::{Copies, NameMap, Solid};
-use rayweave_shape::primitive::{Primitive, ShapeError, build as build_shape};
+use rayweave_shape::primitive::{Primitive, ShapeError, Value, build as build_shape, manual};
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -409,6 +409,9 @@ fn named(name: &str, label: Option<&str>, solid: Solid) -> Solid {
     }
 }
 
+/// Words of other programs for a parameter that places a shape about the origin.
+const CENTRING: [&str; 4] = ["center", "centre", "centered", "centred"];
+
 fn shape(
     context: &mut Context,
     numbers: &Numbers,
@@ -428,6 +431,12 @@ fn shape(
     let mut values = Vec::new();
     let mut complete = true;
     for (name, datum) in arguments {
+        let known = manual(&keyword.value).map(|manual| manual.parameters).unwrap_or_default();
+        if known.iter().all(|parameter| parameter.name != name.value) {
+            // the value of an unknown parameter has no type
+            (values, complete) = (vec![(name.value.as_str(), Value::Number(0.0))], false);
+            break;
+        }
         match value(context, numbers, &name.value, datum) {
             Some(value) => values.push((name.value.as_str(), value)),
             None => complete = false,
@@ -439,7 +448,11 @@ fn shape(
         Err(ShapeError::MissingParameter { .. }) if !complete => None,
         Err(error) => {
             let span = place_of(&error, keyword, arguments);
-            context.push(Diagnostic::error(error.to_string()), span);
+            let is_centring = matches!(&error, ShapeError::UnknownParameter { name, .. } if CENTRING.contains(&name.as_str()));
+            let hint = is_centring.then(|| {
+                " Shapes are centred about the origin of their frame: leave it out, or move the solid with a `transform`."
+            });
+            context.push(Diagnostic::error(error.to_string() + hint.unwrap_or_default()), span);
             None
         }
     }

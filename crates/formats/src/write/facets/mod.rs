@@ -5,12 +5,14 @@
 //! most r (1 - cos a cos b). Circles start at +x and n is a multiple of 4, so that concentric equal cylinders and spheres
 //! have the same facets and keep their bounding boxes.
 
+mod coaxial;
 mod implicit;
 mod polytope;
 mod quadric;
 mod revolved;
 mod sag;
 
+pub(super) use coaxial::{Frame, Turned};
 pub(super) use polytope::planes_of;
 
 use crate::kernel::Body;

@@ -106,7 +106,7 @@ pub(super) fn stacked(rings: Vec<Vec<Vec3>>, is_ring: bool) -> Result<Option<Bod
 }
 
 /// Triangles between two neighbouring rings, counter-clockwise seen from outside.
-fn between([lower, upper]: [u32; 2], [m, n]: [u32; 2], triangles: &mut Vec<[u32; 3]>) {
+pub(super) fn between([lower, upper]: [u32; 2], [m, n]: [u32; 2], triangles: &mut Vec<[u32; 3]>) {
     for k in 0..m.max(n) {
         let [a, b] = [lower + k % m, lower + (k + 1) % m];
         let [c, d] = [upper + k % n, upper + (k + 1) % n];

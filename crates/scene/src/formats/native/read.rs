@@ -205,7 +205,8 @@ impl Reader {
         for error in errors {
             if seen.insert((span(error), error.message())) {
                 let problem = Diagnostic::error("invalid TOML").why(error.message());
-                self.problems.push(problem, span(error));
+                let unquoted = unquoted_expression(source.text(), span(error).start());
+                self.problems.push(problem.suggest(unquoted), span(error));
             }
         }
     }
@@ -473,6 +474,48 @@ fn solid(mut fields: Fields, name: Spanned<String>) -> SolidEntry {
     SolidEntry { name, label, body, transform: transform.unwrap_or_default() }
 }
 
+/// A suggestion for an arithmetic expression without quotation marks at a syntax error.
+fn unquoted_expression(text: &str, at: usize) -> Option<String> {
+    let line = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
+    let end = text.get(at..)?.find('\n').map_or(text.len(), |length| at + length);
+    let line = text.get(line..end)?;
+    let at = at + line.len() - end;
+    // the error may be anywhere in the value, which begins after the last separator outside of parentheses
+    let start = line.get(..at)?.rfind(['=', ',', '[', '{']).map(|separator| separator + 1)?;
+    // the head of a table
+    if line[..start - 1].trim().is_empty() {
+        return None;
+    }
+    let mut depth = 0;
+    let length = line[start..].find(|next: char| {
+        depth += i32::from(next == '(') - i32::from(next == ')');
+        matches!(next, ']' | '}' | '#' | '"' | '\'' | '=') || depth == 0 && next == ','
+    });
+    let value = length.map_or(&line[start..], |length| &line[start..start + length]).trim();
+    let is_number = value.parse::<f64>().is_ok() || value.is_empty();
+    if is_number || crate::arithmetic::Arithmetic::parse(value).is_err() {
+        return None;
+    }
+    let key =
+        line[..start - 1].trim_end().rsplit(|c: char| !(c.is_alphanumeric() || c == '_' || c == '-')).next();
+    let written = match key.filter(|key| line[..start].ends_with('=') && !key.is_empty()) {
+        Some(key) => format!("{key} = \"{value}\""),
+        None => format!("\"{value}\""),
+    };
+    Some(format!("Write an expression as a string: `{written}`."))
+}
+
+/// The expression that a word of other programs for a boolean stands for.
+fn boolean_of(word: &str) -> Option<&'static str> {
+    Some(match word {
+        "union" | "join" | "fuse" | "add" => "a | b",
+        "intersection" | "intersect" | "common" => "a & b",
+        "difference" | "subtract" | "subtraction" | "cut" => "a - b",
+        "symmetric_difference" | "xor" => "a ^ b",
+        _ => return None,
+    })
+}
+
 fn body(mut fields: Fields) -> Option<Body> {
     let mut keywords =
         ["expr", "place", EXTRUDE, REVOLVE].into_iter().chain(MANUALS.iter().map(|manual| manual.name));
@@ -515,7 +558,10 @@ fn nothing_known(fields: Fields) -> Option<Body> {
                 "the shapes are {}; a solid can also be an `extrude`, `revolve`, `expr` or `place`",
                 shapes.join(", ")
             ))
-            .suggest(did_you_mean(&key.value, names.clone()));
+            .suggest(match boolean_of(&key.value) {
+                Some(expression) => Some(format!("Combine named solids with `expr = \"{expression}\"`.")),
+                None => did_you_mean(&key.value, names.clone()),
+            });
         fields.problems.push(problem, key.span);
     }
     None
