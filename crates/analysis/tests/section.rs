@@ -3,7 +3,8 @@
 use rayweave_analysis::section::{Cut, Section, SectionError, SectionWindow, section};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Program, Region, RegionId, Solid};
-use rayweave_shape::primitive::{CentredBox, Cylinder, HalfSpace, Primitive, Sphere};
+use rayweave_shape::primitive::{CentredBox, Cylinder, Freeform, HalfSpace, Primitive, Sphere};
+use rayweave_shape::surface::sag::{Base, Description, Sag, Zernike, zernike_terms};
 use rayweave_trace::Weave;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -154,4 +155,27 @@ fn planes_windows_and_their_errors() {
     for columns in [0, 1, 65_537] {
         assert_eq!(fails(SectionWindow { columns, ..window() }), SectionError::Columns { columns });
     }
+}
+
+/// A freeform with 300 Zernike terms, whose powers of x and y cancel each other: the area of its section is the integral of the
+/// height above it.
+#[test]
+fn a_freeform_with_many_terms_has_its_area() {
+    let zernike: Vec<f64> = (0..300).map(|k| if k % 2 == 0 { 0.01 } else { -0.01 }).collect();
+    let [curvature, conic, norm_radius] = [0.0; 3];
+    let freeform = Freeform::new(1.0, [curvature, conic], [&[], &zernike], norm_radius, 30.0).unwrap();
+    let terms = zernike_terms(Zernike::Noll, &zernike, 1.0);
+    let base = Base::Conic { curvature, conic };
+    let sag = Sag::new(&Description { mixed: terms, ..Description::new(1.0, base) }).unwrap();
+    let regions = [Region { name: "r".into(), solid: Primitive::from(freeform).into(), medium: 1 }];
+    let program = Arc::new(Program::compile_regions(&regions).unwrap());
+    let bounds = program.bounds();
+    assert!(bounds.lo.z > -30.0, "{bounds:?}");
+    let plane = Cut::new(Vec3::ZERO, Vec3::Z, Vec3::Y).unwrap();
+    let window = SectionWindow::new([bounds.lo.z - 0.1, -1.1], [bounds.hi.z + 0.1, 1.1]);
+    let found = section(&Weave::new(program), &plane, &window).unwrap().area(ONE);
+    let steps = 20_000;
+    let at = |k: u32| 2.0 * (f64::from(k) + 0.5) / f64::from(steps) - 1.0;
+    let expected = (0..steps).map(|k| (30.0 - sag.sag(0.0, at(k))[0]) * 2.0 / f64::from(steps)).sum::<f64>();
+    assert!((found - expected).abs() < 0.05, "{found}, not {expected}");
 }
