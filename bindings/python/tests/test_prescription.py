@@ -445,7 +445,7 @@ def test_replaced_glasses_are_warnings(tmp_path: Path) -> None:
         assert all(warning.filename == __file__ for warning in caught)
         assert 'no glass is named "SK16"' in said[0] and said[0].endswith("its successor N-SK16 is used")
     # Hikari's F2 has another dispersion than Schott's
-    hikari = re.sub("GLAS F2 .*", "GLAS F2", text.replace("GLAS SK16 0 0 1.5 40", "GLAS N-SK16")).replace("GCAT SCHOTT", "GCAT HIKARI SCHOTT")
+    hikari = re.sub("GLAS F2 .*", "GLAS F2", text.replace("GLAS SK16 0 0 1.5 40", "GLAS N-SK16 0 0 1.620410 60.3236")).replace("GCAT SCHOTT", "GCAT HIKARI SCHOTT")
     with pytest.warns(UserWarning, match="F2 of Schott is used: HIKARI is not among the built-in catalogues"):
         Prescription.from_zmx(hikari)
 

@@ -27,7 +27,7 @@ impl LensData {
         unit: &'static str,
     ) -> Result<LensData, PrescriptionError> {
         let nm = lens.primary_nm();
-        let height = |field: usize| lens.fields[field].into_iter().fold(0.0, f64::hypot);
+        let height = |field: usize| libm::hypot(lens.fields[field][0], lens.fields[field][1]);
         let outermost = (0..lens.fields.len()).max_by(|&a, &b| height(a).total_cmp(&height(b)));
         let outermost = outermost.filter(|&field| height(field) > 0.0);
         let distortion = outermost.and_then(|field| Some((fields[field].clone(), distortion(lens, field)?)));

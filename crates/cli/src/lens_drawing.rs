@@ -72,7 +72,7 @@ fn image_semi_diameter(lens: &Prescription, points: &[[f64; 2]]) -> Result<f64, 
         let study = if needs_aiming(lens, field, nm)? { study.aimed() } else { study };
         // a field without light does not count
         for arrival in study.arrivals(field, nm, points).unwrap_or_default() {
-            widest = widest.max(arrival.position.x.hypot(arrival.position.y));
+            widest = widest.max(libm::hypot(arrival.position.x, arrival.position.y));
         }
     }
     let (_, surfaces) = layout.semi_diameters.split_last().unwrap_or((&0.0, &[]));
