@@ -55,7 +55,7 @@ fn one_solid_of_a_model() {
     let volume = |file: &str| bench.json(&["volume", file, "--json", "-q"]);
     bench.write(
         "part.toml",
-        &(PART.to_owned() + "[[region]]\nsolid = 'part'\n[[region]]\nsolid = 'bore'\nmedium = 'pin'\n"),
+        &(PART.to_owned() + "[[region]]\nsolid = 'part'\n[[region]]\nsolid = 'bore'\nmedium = 'pin'\n[medium.pin]\n"),
     );
     for (solid, expected) in [("plate", 32.0), ("part", 32.0 - 2.0 * std::f64::consts::PI)] {
         for ending in ["toml", "csg", "obj"] {
