@@ -55,11 +55,11 @@ fn one_solid_of_a_model() {
     let volume = |file: &str| bench.json(&["volume", file, "--json", "-q"]);
     bench.write(
         "part.toml",
-        &(PART.to_owned() + "[[region]]\nsolid = 'part'\n[[region]]\nsolid = 'bore'\nmedium = 'pin'\n"),
+        &(PART.to_owned() + "[solid.pin]\ncylinder = { radius = 1, height = 2 }\n[[region]]\nsolid = 'part'\n[[region]]\nsolid = 'pin'\n"),
     );
     for (solid, expected) in [("plate", 32.0), ("part", 32.0 - 2.0 * std::f64::consts::PI)] {
         for ending in ["toml", "csg", "obj"] {
-            let out = format!("{solid}.{ending}");
+            let out = format!("one-{solid}.{ending}");
             let done = bench.run(&["convert", "part.toml", &out, "--solid", solid, "--tolerance", "0.001"]);
             assert_eq!(done.code, 0, "{}", done.err);
             let found = volume(&out);
@@ -67,8 +67,11 @@ fn one_solid_of_a_model() {
             assert!((found - expected).abs() < 0.02 * expected, "{out} {found}");
         }
     }
-    let unknown = bench.fails(3, &["convert", "part.toml", "x.stl", "--solid", "prat"]);
-    assert!(unknown.contains("unknown solid `prat`") && unknown.contains("`part`"), "{unknown}");
+    let unknown = bench.fails(2, &["convert", "part.toml", "x.stl", "--solid", "prat"]);
+    assert!(
+        unknown.contains("no solid is called `prat`") && unknown.contains("Did you mean `part`?"),
+        "{unknown}"
+    );
     // one body for all regions, and where they stay apart
     let done = bench.run(&["convert", "part.toml", "all.stl"]);
     let hint = "dropped: the division into regions: the file contains one body, their union; 3MF, OBJ and glTF keep the regions apart";

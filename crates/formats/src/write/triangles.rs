@@ -29,7 +29,13 @@ enum Part {
     /// The clip box.
     Everything,
     Turned(Turned),
-    Body(Body),
+    Body(Box<Body>),
+}
+
+impl From<Body> for Part {
+    fn from(body: Body) -> Part {
+        Part::Body(Box::new(body))
+    }
 }
 
 /// Builder of triangle bodies.
@@ -54,7 +60,7 @@ impl<'m> Triangulator<'m, '_> {
         match part {
             Part::Everything => Ok(Some(Body::cuboid(&self.model.clip))),
             Part::Turned(turned) => turned.body(self.frame()),
-            Part::Body(body) => Ok(Some(body)),
+            Part::Body(body) => Ok(Some(*body)),
         }
     }
 
@@ -108,7 +114,7 @@ impl<'m> Triangulator<'m, '_> {
         }
         Ok(match bodies.is_empty() {
             true => None,
-            false => combine(by, bodies)?.map(Part::Body),
+            false => combine(by, bodies)?.map(Part::from),
         })
     }
 }
@@ -138,7 +144,7 @@ impl Builder for Triangulator<'_, '_> {
         }
         let clip = facets::clip_box(shape, &self.model.clip, within);
         let request = Request { shape, place, clip: &clip, tolerance: self.model.tolerance };
-        Ok(facets::body(&request).map_err(failed)?.map(Part::Body))
+        Ok(facets::body(&request).map_err(failed)?.map(Part::from))
     }
 
     fn bounded(&mut self, boundary: &dyn Boundary, place: &Affine) -> Result<Option<Part>, WriteError> {
@@ -147,7 +153,7 @@ impl Builder for Triangulator<'_, '_> {
         };
         let body = Body::from_facets(facets).map_err(|why| self.failed(why))?;
         let placed = body.map_or(Ok(None), |body| body.placed(place)).map_err(|why| self.failed(why))?;
-        Ok(placed.map(Part::Body))
+        Ok(placed.map(Part::from))
     }
 
     fn join(&mut self, by: Operation, parts: Vec<Part>) -> Result<Option<Part>, WriteError> {

@@ -449,9 +449,9 @@ fn shape(
         Err(error) => {
             let span = place_of(&error, keyword, arguments);
             let is_centring = matches!(&error, ShapeError::UnknownParameter { name, .. } if CENTRING.contains(&name.as_str()));
-            let hint = is_centring.then(|| {
-                " Shapes are centred about the origin of their frame: leave it out, or move the solid with a `transform`."
-            });
+            let hint = is_centring.then_some(
+                " Shapes are centred about the origin of their frame: leave it out, or move the solid with a `transform`.",
+            );
             context.push(Diagnostic::error(error.to_string() + hint.unwrap_or_default()), span);
             None
         }
