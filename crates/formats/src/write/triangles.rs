@@ -1,7 +1,7 @@
 //! Mesh writer: each region as a closed triangle mesh within the tolerance.
 
 use super::facets::{self, Request};
-use super::fold::{Builder, Operation, fold};
+use super::fold::{Builder, Operation, check_count, fold};
 use super::model::Model;
 use super::remark::Remarks;
 use super::{RemarkKind, WriteError, WriteOptions};
@@ -13,14 +13,48 @@ use rayweave_mesh_io::{MeshFormat, MeshWriteOptions, ThreeMfUnit, write_objects}
 use rayweave_model::Boundary;
 use rayweave_scene::{Colour, Unit};
 use rayweave_shape::primitive::Primitive;
+use std::cell::Cell;
 
 /// Builder of triangle bodies.
 struct Triangulator<'m, 's> {
     model: &'m Model<'s>,
     region: usize,
+    count: &'m TriangleCount,
+}
+
+/// Maximum number of triangles of the shapes of a model, apart from the largest shape, such as a large mesh that is converted to
+/// another format. They take about 220 bytes each before the first boolean operation. 3,000 separate balls have 3 million at the
+/// default tolerance; copies that coincide have far more, because the tolerance follows the size of the model.
+const MAX_TRIANGLES: usize = 4_000_000;
+
+/// The triangles of the shapes of a model so far.
+#[derive(Default)]
+struct TriangleCount {
+    all: Cell<usize>,
+    largest: Cell<usize>,
+}
+
+impl TriangleCount {
+    /// Adds a shape; true if the model has too many triangles.
+    fn add(&self, triangles: usize) -> bool {
+        self.all.set(self.all.get().saturating_add(triangles));
+        self.largest.set(self.largest.get().max(triangles));
+        self.all.get() - self.largest.get() > MAX_TRIANGLES
+    }
 }
 
 impl Triangulator<'_, '_> {
+    /// A body, if the model does not become too large with it.
+    fn counted(&self, body: Option<Body>) -> Result<Option<Body>, WriteError> {
+        match body.as_ref().is_some_and(|body| self.count.add(body.triangle_count())) {
+            true => {
+                let why = format!("the shapes of the model have more than {MAX_TRIANGLES} triangles");
+                Err(WriteError::TooLarge { region: self.region(), why })
+            }
+            false => Ok(body),
+        }
+    }
+
     fn failed(&self, why: String) -> WriteError {
         WriteError::Kernel { region: self.region(), why }
     }
@@ -45,7 +79,8 @@ impl Builder for Triangulator<'_, '_> {
     ) -> Result<Option<Body>, WriteError> {
         let clip = facets::clip_box(shape, &self.model.clip, within);
         let request = Request { shape, place, clip: &clip, tolerance: self.model.tolerance };
-        facets::body(&request).map_err(|why| self.failed(format!("`{}`: {why}", shape.name())))
+        let body = facets::body(&request).map_err(|why| self.failed(format!("`{}`: {why}", shape.name())))?;
+        self.counted(body)
     }
 
     fn bounded(&mut self, boundary: &dyn Boundary, place: &Affine) -> Result<Option<Body>, WriteError> {
@@ -53,7 +88,8 @@ impl Builder for Triangulator<'_, '_> {
             return Ok(None);
         };
         let body = Body::from_facets(facets).map_err(|why| self.failed(why))?;
-        body.map_or(Ok(None), |body| body.placed(place)).map_err(|why| self.failed(why))
+        let body = body.map_or(Ok(None), |body| body.placed(place)).map_err(|why| self.failed(why))?;
+        self.counted(body)
     }
 
     fn join(&mut self, by: Operation, parts: Vec<Body>) -> Result<Option<Body>, WriteError> {
@@ -91,15 +127,17 @@ fn combine(operation: Operation, mut parts: Vec<Body>) -> Result<Option<Body>, S
 }
 
 /// The solid of a region before subtractions.
-fn solid(model: &Model, region: usize) -> Result<Option<Body>, WriteError> {
-    fold(&model.scene.regions[region].solid, &mut Triangulator { model, region })
+fn solid(model: &Model, region: usize, count: &TriangleCount) -> Result<Option<Body>, WriteError> {
+    let own = &model.scene.regions[region];
+    check_count(&own.solid, &own.name)?;
+    fold(&own.solid, &mut Triangulator { model, region, count })
 }
 
 /// Meshes of all regions, with their names.
 pub(super) fn meshes(model: &Model) -> Result<Vec<(String, Body)>, WriteError> {
-    let count = model.scene.regions.len();
+    let (count, triangles) = (model.scene.regions.len(), TriangleCount::default());
     let solids: Vec<Option<Body>> =
-        (0..count).map(|region| solid(model, region)).collect::<Result<_, _>>()?;
+        (0..count).map(|region| solid(model, region, &triangles)).collect::<Result<_, _>>()?;
     let mut bodies = Vec::new();
     for (number, region) in model.regions() {
         let Some(body) = &solids[number] else { continue };
@@ -117,10 +155,10 @@ pub(super) fn meshes(model: &Model) -> Result<Vec<(String, Body)>, WriteError> {
 /// All regions as one body: the solids are united before any subtraction, so that no coincident cut faces arise, and
 /// regions of the world's medium are subtracted.
 fn whole(model: &Model) -> Result<Option<Body>, WriteError> {
-    let mut together = Vec::new();
+    let (mut together, triangles) = (Vec::new(), TriangleCount::default());
     for (number, region) in model.scene.regions.iter().enumerate() {
         let failed = |why| WriteError::Kernel { region: region.name.clone(), why };
-        let Some(body) = solid(model, number)? else { continue };
+        let Some(body) = solid(model, number, &triangles)? else { continue };
         if region.medium != 0 {
             together.push(body);
         } else if let Some(all) = Body::union_all(std::mem::take(&mut together)).map_err(failed)? {
@@ -171,7 +209,11 @@ pub(super) fn write(
         parts.push((name.as_str(), written));
     }
     if parts.is_empty() {
-        return Err(WriteError::Empty(Format::Mesh(format)));
+        let is_covered = model.later.iter().any(|later| !later.is_empty());
+        return Err(match model.is_empty || is_covered {
+            true => WriteError::Empty(Format::Mesh(format)),
+            false => WriteError::Vanished(model.tolerance),
+        });
     }
     let parts: Vec<(&str, &Mesh)> = parts.iter().map(|(name, mesh)| (*name, mesh)).collect();
     let mut bytes = Vec::new();
