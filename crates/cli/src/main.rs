@@ -44,12 +44,13 @@ fn main() -> ExitCode {
 /// The error with a message about the argument, where the parser states the reason in terms of number types.
 fn clear(error: clap::Error) -> clap::Error {
     let source = std::error::Error::source(&error);
-    let reason = match source.and_then(|source| source.downcast_ref::<ParseIntError>()).map(ParseIntError::kind) {
-        Some(IntErrorKind::Zero) => "it must be at least 1",
-        Some(IntErrorKind::PosOverflow) => "it is too large",
-        Some(_) => "it must be a whole number from 0",
-        None => return error,
-    };
+    let reason =
+        match source.and_then(|source| source.downcast_ref::<ParseIntError>()).map(ParseIntError::kind) {
+            Some(IntErrorKind::Zero) => "it must be at least 1",
+            Some(IntErrorKind::PosOverflow) => "it is too large",
+            Some(_) => "it must be a whole number from 0",
+            None => return error,
+        };
     let context = |kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
     let (value, argument) = (context(ContextKind::InvalidValue), context(ContextKind::InvalidArg));
     let text = format!("invalid value '{value}' for '{argument}': {reason}\n");

@@ -206,6 +206,12 @@ pub enum Unit {
     Percent,
 }
 
+/// A number of things, with their name in the singular or plural.
+pub fn count(number: u64, name: &str) -> String {
+    let ending = if number == 1 { "" } else { "s" };
+    format!("{number} {name}{ending}")
+}
+
 /// Formats a number with three significant digits.
 pub fn short3(x: f64) -> String {
     short(rounded(x, 3))
@@ -282,7 +288,7 @@ mod tests {
         assert_eq!(visible("a\u{1b}]0;t\u{7}\tb\n"), "a\\u001b]0;t\\u0007\tb\n");
         assert_eq!(visible("\u{9b}\u{7f}\u{e9}"), "\\u009b\\u007f\u{e9}");
         let text = table(&["name", "n"], &[vec!["a\nb\u{1b}".to_owned(), "1".to_owned()]], &[false, true]);
-        assert_eq!(text, "name          n\na\\u000ab\\u001b  1\n");
+        assert_eq!(text, "name            n\na\\u000ab\\u001b  1\n");
     }
 
     #[test]
