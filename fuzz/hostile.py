@@ -315,6 +315,9 @@ def drawing_cases():
         f"M{k * 37 % 101} {k * 53 % 103}h1" for k in range(20_000)) + '"/>'))
     drawing("crossing path", "svg", svg('<path d="M0 0' + "".join(f" L{k * 37 % 1009 / 10} {k * 53 % 1013 / 10}" for k in range(30_000)) + 'z"/>'))
     drawing("curves", "svg", svg('<path d="M0 0' + "".join(f" C{k % 100} 1e6 -1e6 {k % 99} {k % 98} 3" for k in range(20_000)) + 'z"/>'))
+    drawing("far arc", "svg", svg('<path d="M0 0 h20 v20 a5 5 0 0 1 1e60 5 Z"/>'))
+    drawing("arc of a huge radius", "svg", svg('<path d="M0 0 h20 v20 a1e60 1e59 0 0 1 5 5 Z"/>'))
+    drawing("far arcs", "svg", svg("".join(f'<path d="M{k} 0 h1e15 A5 5 0 0 1 {k} 1 Z"/>' for k in range(12_000))))
     drawing("huge curve", "svg", svg('<path d="M0 0 C 1e12 1e12 -1e12 1e12 1 1z"/>' * 2000))
     drawing("arcs", "svg", svg('<path d="M0 0' + "".join(f" A1e5 1e5 0 1 1 {k % 100} {k % 97}" for k in range(20_000)) + 'z"/>'))
     drawing("circles", "svg", svg("".join(f'<circle cx="{k % 97}" cy="{k % 89}" r="30"/>' for k in range(20_000))))
@@ -641,6 +644,21 @@ def lens_cases():
     glass("dashes", "yml", "- " * 400_000)
     glass("quotes", "yml", 'a: "' + "\\" * 900_000)
 
+# --- requests of the command ---
+
+def request_cases():
+    ball = "rayweave = 1\n[solid.ball]\nsphere = { radius = 1 }\n"
+    nest = "".join(f'[solid.s{k}]\nplace = {{ solid = "s{k - 1}", at = [[0, 0, 0], [{k}, 0, 0]] }}\n' for k in range(1, 29))
+    nest = "rayweave = 1\n[solid.s0]\nsphere = { radius = 1 }\n" + nest
+    for ending in ("stl", "csg", "gdml"):
+        case(f"request convert copies of copies to {ending}", ["convert", "m.toml", f"o.{ending}"], {"m.toml": nest})
+    near = ball + '[solid.all]\nplace = { solid = "ball", grid = [50, 50, 1], step = [0.001, 0.001, 0] }\n'
+    case("request convert coincident copies", ["convert", "m.toml", "o.stl"], {"m.toml": near})
+    for total in (2**64 - 1, 10**12):
+        case(f"request volume {total} rays", ["volume", "m.toml", "--total", str(total)], {"m.toml": ball})
+    for tolerance in ("1e-14", "1e300"):
+        case(f"request section within {tolerance}", ["section", "m.toml", "--tolerance", tolerance], {"m.toml": ball})
+
 
 # Runs a command in a small process of its own and prints how it ended. The peak memory of a child includes that of its parent at the
 # start, and this script holds all inputs.
@@ -679,7 +697,7 @@ def run(program, arguments, folder):
 
 def main():
     program, words = os.path.abspath(sys.argv[1]), sys.argv[2:]
-    for cases in (gdml_cases, scad_cases, drawing_cases, mesh_cases, toml_cases, lens_cases):
+    for cases in (gdml_cases, scad_cases, drawing_cases, mesh_cases, toml_cases, lens_cases, request_cases):
         cases()
     failed = []
     for name, arguments, files in CASES:

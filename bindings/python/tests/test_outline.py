@@ -86,3 +86,9 @@ def test_arguments_of_other_types_are_named() -> None:
         rw.extrude(5, 1)
     with pytest.raises(TypeError, match="Did you mean fillet?"):
         rw.extrude(PLATE, 1, filet=1)
+
+
+def test_points_of_different_lengths_are_named():
+    for outline in ([[0, 0], [1, 0], [1, 1, 0.5]], [[[0, 0], [1, 0], [1, 1, 0.5]]]):
+        with pytest.raises(ValueError, match="point 2 has 3 numbers, point 0 has 2: all must have as many"):
+            rw.extrude(outline, 1)

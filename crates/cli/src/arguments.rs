@@ -1,6 +1,7 @@
 //! Arguments that several sub-commands share.
 
 use crate::failure::Failure;
+use crate::outputs;
 use clap::Args;
 use rayweave::formats::{self, Format, Imported, LossKind, Options};
 use rayweave::scene::{Document, Scene, Unit};
@@ -188,12 +189,11 @@ impl ModelArguments {
     ) -> Result<Imported, Failure> {
         let options = Options { unit: unit.and_then(Unit::parse), scene_only, ..self.options() };
         let format = format.and_then(Format::from_name);
-        let imported = match path == Path::new(STANDARD_INPUT) {
-            true => {
-                formats::parse(&standard_input()?, format.unwrap_or(Format::Native), definitions, &options)
-            }
-            false => formats::load(path, format, definitions, &options),
-        };
+        let text = (path == Path::new(STANDARD_INPUT)).then(standard_input).transpose()?;
+        let imported = outputs::reading(|| match &text {
+            Some(text) => formats::parse(text, format.unwrap_or(Format::Native), definitions, &options),
+            None => formats::load(path, format, definitions, &options),
+        })?;
         let imported = imported.map_err(rayweave::Error::from)?;
         crate::terminal::warn(&imported.scene.warnings);
         Ok(imported)
@@ -274,7 +274,7 @@ pub fn whole_number(text: &str) -> Result<u64, String> {
         // whole numbers up to 2^53 are exact
         (value.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&value)).then_some(value as u64)
     };
-    let problem = || "give a whole number, as 100000 or 1e5".to_owned();
+    let problem = || "give a whole number from 0, as 100000 or 1e5".to_owned();
     text.parse().ok().or_else(in_full).ok_or_else(problem)
 }
 

@@ -51,6 +51,12 @@ pub fn check(path: &Path) -> Result<(), Failure> {
     kind(path).map(|_| ()).ok_or_else(problem)
 }
 
+/// Checks the extension of a drawing that is written as SVG only.
+pub fn check_svg(path: &Path) -> Result<(), Failure> {
+    let problem = || Failure::Usage(format!("{}: this drawing is written as .svg only.", path.display()));
+    kind(path).filter(|kind| *kind == Kind::Svg).map(|_| ()).ok_or_else(problem)
+}
+
 /// Writes a drawing as SVG or PDF, or as PNG or JPEG with two pixels per unit of the drawing; `-` is SVG to standard output.
 pub fn save(path: &Path, svg: &str, title: &str) -> Result<(), Failure> {
     let bytes = match kind(path) {

@@ -12,6 +12,7 @@ mod interval;
 mod lens_data;
 mod lens_drawing;
 mod lens_file;
+mod outputs;
 mod photon_report;
 mod terminal;
 
@@ -19,16 +20,23 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches};
 use cli::Cli;
 use std::io::Write;
+use std::num::{IntErrorKind, ParseIntError};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     // a negative number is parsed as the value of the preceding option, which validates it
     let command = Cli::command().mut_subcommands(|command| command.allow_negative_numbers(true));
-    let parsed = command.try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
-    let cli = match parsed {
-        Ok(cli) => cli,
-        Err(error) => return print(&without_misleading_tip(error)),
+    let parsed = command.try_get_matches().and_then(|matches| {
+        let cli = Cli::from_arg_matches(&matches)?;
+        Ok((cli, matches))
+    });
+    let (cli, matches) = match parsed {
+        Ok(parsed) => parsed,
+        Err(error) => return print(&clear(without_misleading_tip(error))),
     };
+    if let Err(failure) = outputs::check(&matches) {
+        return terminal::report(&failure);
+    }
     match interrupt::watch(move || cli::run(&cli)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => terminal::report(&failure),
@@ -43,6 +51,22 @@ fn without_misleading_tip(mut error: clap::Error) -> clap::Error {
         error.remove(ContextKind::Suggested);
     }
     error
+}
+
+/// The error with a message about the argument, where the parser states the reason in terms of number types.
+fn clear(error: clap::Error) -> clap::Error {
+    let source = std::error::Error::source(&error);
+    let reason =
+        match source.and_then(|source| source.downcast_ref::<ParseIntError>()).map(ParseIntError::kind) {
+            Some(IntErrorKind::Zero) => "it must be at least 1",
+            Some(IntErrorKind::PosOverflow) => "it is too large",
+            Some(_) => "it must be a whole number from 0",
+            None => return error,
+        };
+    let context = |kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
+    let (value, argument) = (context(ContextKind::InvalidValue), context(ContextKind::InvalidArg));
+    let text = format!("invalid value '{value}' for '{argument}': {reason}\n");
+    clap::Error::raw(error.kind(), text)
 }
 
 /// Prints an error of the command line to standard error; help and version, which the parser also returns as errors, go to

@@ -4,6 +4,7 @@ use crate::failure::{Failure, stdout_failure};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayweave::scene::Diagnostics;
 use rayweave::table::AtomicFile;
+use std::borrow::Cow;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
@@ -13,9 +14,30 @@ const RED: &str = "\x1b[1;31m";
 const BOLD: &str = "\x1b[1m";
 const PLAIN: &str = "\x1b[0m";
 
-/// Writes text to standard output, all of it.
+/// Writes text to standard output, all of it. Control characters, which names of a model may contain and a terminal would obey, are
+/// written as [`visible`] escapes.
 pub fn print(text: &str) -> Result<(), Failure> {
-    print_bytes(text.as_bytes())
+    print_bytes(visible(text).as_bytes())
+}
+
+/// The text with control characters as escapes, such as `\\u001b`, which mean the same in JSON; line feeds and tabs are kept.
+fn visible(text: &str) -> Cow<'_, str> {
+    escaped(text, |c| c.is_control() && !matches!(c, '\n' | '\t'))
+}
+
+/// The text with the selected characters as escapes.
+fn escaped(text: &str, is_selected: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.contains(&is_selected) {
+        return Cow::Borrowed(text);
+    }
+    let mut escaped = String::with_capacity(text.len() + 8);
+    for c in text.chars() {
+        match is_selected(c) {
+            true => escaped += &format!("\\u{:04x}", u32::from(c)),
+            false => escaped.push(c),
+        }
+    }
+    Cow::Owned(escaped)
 }
 
 /// Writes bytes to standard output, all of them.
@@ -58,11 +80,12 @@ fn tell(text: &str) {
 
 /// Writes a note to standard error.
 pub fn note(text: &str) {
-    tell(text);
+    tell(&visible(text));
 }
 
 /// Writes an error without a position in a model file.
 pub fn complain(text: &str) {
+    let text = visible(text);
     match has_colour() {
         true => tell(&format!("{RED}error{PLAIN}{BOLD}:{PLAIN} {text}")),
         false => tell(&format!("error: {text}")),
@@ -71,7 +94,7 @@ pub fn complain(text: &str) {
 
 /// Writes a warning about ignored input, without a position in a model file.
 pub fn caution(text: &str) {
-    tell(&format!("warning: {text}"));
+    tell(&format!("warning: {}", visible(text)));
 }
 
 /// Writes the problems of a model file, each with its position.
@@ -191,6 +214,12 @@ pub enum Unit {
     Percent,
 }
 
+/// A number of things, with their name in the singular or plural.
+pub fn count(number: u64, name: &str) -> String {
+    let ending = if number == 1 { "" } else { "s" };
+    format!("{number} {name}{ending}")
+}
+
 /// Formats a number with three significant digits.
 pub fn short3(x: f64) -> String {
     short(rounded(x, 3))
@@ -201,8 +230,10 @@ pub fn rounded(x: f64, digits: usize) -> f64 {
     format!("{x:.*e}", digits - 1).parse().unwrap_or(x)
 }
 
-/// A table with aligned columns: numbers to the right, text to the left.
+/// A table with aligned columns: numbers to the right, text to the left. Control characters in cells are written as escapes.
 pub fn table(header: &[&str], rows: &[Vec<String>], is_number: &[bool]) -> String {
+    let rows: Vec<Vec<Cow<'_, str>>> =
+        rows.iter().map(|row| row.iter().map(|cell| escaped(cell, char::is_control)).collect()).collect();
     let width = |k: usize| {
         let cells = rows.iter().map(|row| row[k].chars().count());
         cells.chain([header[k].chars().count()]).max().unwrap_or(0)
@@ -216,8 +247,8 @@ pub fn table(header: &[&str], rows: &[Vec<String>], is_number: &[bool]) -> Strin
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
     };
     let mut text = line(&mut header.iter().copied());
-    for row in rows {
-        text += &line(&mut row.iter().map(String::as_str));
+    for row in &rows {
+        text += &line(&mut row.iter().map(AsRef::as_ref));
     }
     text
 }
@@ -258,6 +289,14 @@ mod tests {
         assert_eq!(short(123456789012.0), "1.23456789e11");
         assert_eq!(short(f64::NEG_INFINITY), "-inf");
         assert_eq!(short_point([1.0, -2.5, 0.0]), "(1, -2.5, 0)");
+    }
+
+    #[test]
+    fn control_characters_are_visible() {
+        assert_eq!(visible("a\u{1b}]0;t\u{7}\tb\n"), "a\\u001b]0;t\\u0007\tb\n");
+        assert_eq!(visible("\u{9b}\u{7f}\u{e9}"), "\\u009b\\u007f\u{e9}");
+        let text = table(&["name", "n"], &[vec!["a\nb\u{1b}".to_owned(), "1".to_owned()]], &[false, true]);
+        assert_eq!(text, "name            n\na\\u000ab\\u001b  1\n");
     }
 
     #[test]

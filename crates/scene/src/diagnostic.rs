@@ -3,6 +3,7 @@
 use crate::source::{Source, Span};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use rayweave_error::{Classified, ErrorKind};
+use std::borrow::Cow;
 use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
@@ -119,7 +120,8 @@ impl Diagnostic {
             Severity::Error => Level::ERROR,
             Severity::Warning => Level::WARNING,
         };
-        let mut report = Group::with_title(level.primary_title(&self.message));
+        let message = shortened(&self.message);
+        let mut report = Group::with_title(level.primary_title(&*message));
         match &self.place {
             None => {}
             Some((source, None)) => report = report.element(annotate_snippets::Origin::path(source.name())),
@@ -138,6 +140,29 @@ impl Diagnostic {
         renderer.render(&[report])
     }
 }
+
+/// The maximum number of characters of a message in rendered text: a message may quote a name or an expression of any
+/// length.
+const MAX_MESSAGE: usize = 1000;
+
+/// The number of characters at the end of a message that is shortened.
+const MESSAGE_END: usize = 300;
+
+/// The text without its middle part if it is too long.
+fn shortened(text: &str) -> Cow<'_, str> {
+    // characters are at least as many bytes
+    if text.len() <= MAX_MESSAGE || text.chars().count() <= MAX_MESSAGE {
+        return Cow::Borrowed(text);
+    }
+    let at = |(byte, _): (usize, char)| byte;
+    let end = text.char_indices().rev().nth(MESSAGE_END - 1).map_or(0, at);
+    let begin = text.char_indices().nth(MAX_MESSAGE - MESSAGE_END).map_or(0, at);
+    Cow::Owned(format!("{} [...] {}", &text[..begin], &text[end..]))
+}
+
+/// The maximum number of problems in rendered text, and the number of bytes after which no further ones follow.
+const MAX_RENDERED: usize = 50;
+const MAX_BYTES: usize = 20_000;
 
 /// The maximum length of the source lines shown with a problem, in bytes: a file with a single line may have thousands of problems.
 const LONGEST: usize = 4096;
@@ -211,12 +236,30 @@ impl Diagnostics {
         self
     }
 
-    /// Renders as text: each problem with its file, line and column and the source line underlined,
-    /// optionally with terminal colours.
+    /// Renders as text: each problem with its file, line and column and the source line underlined, optionally with terminal
+    /// colours. Of more than 50 problems, or 20 kB, the number of the others is stated at the end; long messages are shortened.
+    /// [`iter`](Self::iter) has them all.
     pub fn render(&self, colour: bool) -> String {
         let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
-        let blocks: Vec<String> = self.list.iter().map(|diagnostic| diagnostic.render(&renderer)).collect();
-        blocks.join("\n\n")
+        // warnings must not displace errors
+        let is_error = |own: &&Diagnostic| own.severity == Severity::Error;
+        let most_warnings = MAX_RENDERED.saturating_sub(self.list.iter().filter(is_error).count());
+        let (mut text, mut shown, mut warnings) = (String::new(), 0, 0);
+        for diagnostic in &self.list {
+            let is_warning = !is_error(&diagnostic);
+            if shown == MAX_RENDERED || text.len() > MAX_BYTES || is_warning && warnings == most_warnings {
+                continue;
+            }
+            let gap = if text.is_empty() { "" } else { "\n\n" };
+            text += &format!("{gap}{}", diagnostic.render(&renderer));
+            shown += 1;
+            warnings += usize::from(is_warning);
+        }
+        match self.list.len() - shown {
+            0 => text,
+            1 => text + "\n\nand 1 more problem",
+            more => text + &format!("\n\nand {more} more problems"),
+        }
     }
 }
 
@@ -242,5 +285,36 @@ impl<'a> IntoIterator for &'a Diagnostics {
 
     fn into_iter(self) -> Self::IntoIter {
         self.list.iter()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rendered_text_is_limited() {
+        let warnings = (0..200).map(|k| Diagnostic::warning(format!("warning {k}")));
+        let last =
+            Diagnostic::error("the error").why("r".repeat(100_000)).suggest(Some("Change it".to_owned()));
+        let all = Diagnostics::new(warnings.chain([last]).collect());
+        let text = all.render(false);
+        assert!(text.len() < 10_000, "{}", text.len());
+        assert!(
+            text.contains("the error: rrr") && text.contains(" [...] r") && text.contains("r. Change it.")
+        );
+        assert!(text.contains("warning 48") && !text.contains("warning 49"));
+        assert!(text.ends_with("\n\nand 151 more problems"));
+        assert_eq!(all.len(), 201);
+        let few = Diagnostics::new(vec![Diagnostic::error("a"), Diagnostic::warning("b")]);
+        assert_eq!(few.render(false), "error: a\n\nwarning: b");
+    }
+
+    #[test]
+    fn messages_are_shortened_between_characters() {
+        let text = "\u{e9}".repeat(1001);
+        let short = shortened(&text);
+        assert_eq!(short.chars().count(), 1000 + " [...] ".len());
+        assert!(matches!(shortened(&text[2..]), Cow::Borrowed(_)));
     }
 }

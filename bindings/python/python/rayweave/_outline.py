@@ -119,12 +119,29 @@ def _contours(outline: Any) -> list[list[tuple[float, float, float]]]:
         raise TypeError(f"outline is {outline!r}: it must be an array of points, or a list of such arrays.") from None
     if not items:
         raise ValueError("outline is empty: it must have at least one contour.")
-    if np.ndim(items[0]) < 2:
+    if _depth(items[0]) < 2:
         return [_contour(items, "outline")]
     return [_contour(contour, f"outline[{number}]") for number, contour in enumerate(items)]
 
 
+def _depth(item: Any) -> int:
+    """0 for a number, 1 for a point, 2 for a contour, whose points may have different lengths."""
+    if isinstance(item, list | tuple):
+        return 1 + max((_depth(own) for own in item[:1]), default=0)
+    return np.ndim(item)
+
+
+def _check_lengths(points: Any, name: str) -> None:
+    """Rejects points with different numbers of coordinates, which NumPy reports by its own terms."""
+    lengths = [len(point) for point in points if isinstance(point, list | tuple | np.ndarray) and np.ndim(point) == 1]
+    for number, length in enumerate(lengths):
+        if length != lengths[0]:
+            raise ValueError(f"{name}: point {number} has {length} numbers, point 0 has {lengths[0]}: all must have as many.")
+
+
 def _contour(points: Any, name: str) -> list[tuple[float, float, float]]:
+    if isinstance(points, list | tuple):
+        _check_lengths(points, name)
     try:
         array = np.asarray(points, dtype=np.float64)
     except (TypeError, ValueError) as error:

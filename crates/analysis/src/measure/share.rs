@@ -172,7 +172,8 @@ impl MeasureShare {
                 (axis as usize, first - axis * each..end.min(first + CELLS_PER_TASK) - axis * each)
             })
         };
-        let tasks: Vec<(usize, Range<u64>)> = (0..3).flat_map(pieces).collect();
+        // a list of them would not fit into memory for the largest numbers of rays
+        let tasks = (0..3).flat_map(pieces);
         let work = |(scratch, batch): &mut (E::Scratch, RayBatch), (axis, range): (usize, Range<u64>)| {
             let mut found = BTreeMap::new();
             let cells = share_cells(&whole, axis, across, settings);
@@ -191,11 +192,9 @@ impl MeasureShare {
         };
         let scratch = || (evaluator.scratch(), RayBatch::default());
         let threads = thread_count(settings.threads);
-        drive(threads, &settings.cancel, tasks.into_iter(), scratch, work, merge).map_err(|stopped| {
-            match stopped {
-                Stopped::Cancelled => MeasureError::Cancelled,
-                Stopped::Failed(error) => error,
-            }
+        drive(threads, &settings.cancel, tasks, scratch, work, merge).map_err(|stopped| match stopped {
+            Stopped::Cancelled => MeasureError::Cancelled,
+            Stopped::Failed(error) => error,
         })?;
         Ok(share)
     }

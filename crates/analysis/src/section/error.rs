@@ -30,6 +30,14 @@ pub enum SectionError {
         /// The tolerance.
         tolerance: f64,
     },
+    /// The tolerance is below the accuracy of contours.
+    #[error("the tolerance is {tolerance:e}: for a section of this size it must be at least {least:.1e}.")]
+    TooFine {
+        /// The tolerance.
+        tolerance: f64,
+        /// The smallest one for the size of the section.
+        least: f64,
+    },
     /// Too few or too many columns.
     #[error("the number of columns is {columns}: it must be from 2 to 65536.")]
     Columns {

@@ -171,6 +171,10 @@ pub(crate) struct Cutter<'a, E> {
     pub settings: &'a SectionSettings,
 }
 
+/// The smallest tolerance relative to the larger side of the section. Below it, rounding errors of the coordinates decide where points
+/// of contours lie, and their number, inversely proportional to the square root of the tolerance, exceeds a million for a circle.
+const FINEST: f64 = 1e-12;
+
 impl<E: Evaluator> Cutter<'_, E> {
     pub fn cut(&self, plane: &SectionPlane) -> Result<CrossSection, AnalysisError> {
         let cut = plane.cut()?;
@@ -198,7 +202,12 @@ impl<E: Evaluator> Cutter<'_, E> {
             return Err(AnalysisError::Solid(message));
         }
         let side = (hi[0] - lo[0]).max(hi[1] - lo[1]).max(f64::MIN_POSITIVE);
-        let tolerance = self.settings.tolerance.unwrap_or(1e-4 * side);
+        let least = FINEST * side;
+        // contours cannot be coarser than the section
+        let tolerance = self.settings.tolerance.unwrap_or(1e-4 * side).min(side);
+        if tolerance < least {
+            return Err(SectionError::TooFine { tolerance, least }.into());
+        }
         // a margin for the faces at the ends of the model
         let room = (1e-3 * side).max(4.0 * tolerance);
         let window = SectionWindow {

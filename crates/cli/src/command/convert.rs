@@ -52,14 +52,6 @@ pub struct Convert {
 impl Convert {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let format = self.format()?;
-        let same = |path: &Path| path.canonicalize().ok();
-        if same(&self.out).is_some_and(|out| same(&self.model.model) == Some(out)) {
-            let text = format!(
-                "{}: the model would be overwritten: it is also the output file.",
-                self.out.display()
-            );
-            return Err(Failure::Usage(text));
-        }
         let mut imported = self.model.import()?;
         if self.only.is_given() {
             // the document has the other solids and regions

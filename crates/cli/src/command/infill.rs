@@ -1,6 +1,7 @@
 //! `rayweave infill`: tool traces that fill the layers of a solid, or a region of the plane.
 
 use crate::arguments::{GlobalArguments, ModelArguments, SubjectArguments};
+use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::terminal::{self, short};
@@ -73,6 +74,7 @@ pub struct Infill {
 
 impl Infill {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
+        self.svg.as_deref().map_or(Ok(()), drawing::check_svg)?;
         let raster = Raster::new(self.spacing, self.angle, self.phase)?;
         let filling = Filling { raster, turn: self.turn, alternate: self.alternate };
         let mut picture = InfillPicture::new(self.spacing);

@@ -57,7 +57,8 @@ impl Merge {
         if global.quiet {
             return Ok(());
         }
-        terminal::print(&format!("{}: {} parts\n", out.display(), set.parts().len()))
+        let parts = terminal::count(set.parts().len() as u64, "part");
+        terminal::print(&format!("{}: {parts}\n", out.display()))
     }
 
     fn print_missing(&self, total: u64, global: &GlobalArguments) -> Result<(), Failure> {

@@ -70,6 +70,12 @@ impl New {
         self.create(&text).map_err(|error| {
             let reason = match error.kind() {
                 ErrorKind::AlreadyExists => "the file exists. Choose another name or remove it".to_owned(),
+                ErrorKind::NotFound => match self.file.parent() {
+                    Some(folder) if !folder.exists() => {
+                        format!("the folder {} does not exist. Create it first", folder.display())
+                    }
+                    _ => error.to_string(),
+                },
                 _ => error.to_string(),
             };
             Failure::Run(format!("cannot write {name}: {reason}."))

@@ -7,6 +7,7 @@ use crate::interrupt;
 use crate::lens_data::LensData;
 use crate::lens_drawing::{LensDrawing, Wishes};
 use crate::lens_file::{self, Bench};
+use crate::outputs;
 use crate::terminal::{self, Unit, short};
 use clap::{Args, ValueEnum};
 use rayweave::detector::{Detector, Detectors, SpotDiagram, irradiance_svg, spot_svg, spots_svg};
@@ -212,7 +213,7 @@ impl Optics {
             return lens_file::load(&self.model);
         }
         let (document, scene) = self.model.load_document()?;
-        let optics = optics_of(&document, &scene)?;
+        let optics = outputs::reading(|| optics_of(&document, &scene))??;
         if optics.sources.count() == 0 {
             return Err(no_source(&document).into());
         }

@@ -287,6 +287,20 @@ fn read_spectrum(path: &Path) -> Result<WavelengthDistribution, Failure> {
             }
         }
     }
+    let area = |pair: &[(f64, f64)]| 0.5 * (pair[1].0 - pair[0].0) * (pair[0].1 + pair[1].1);
+    let problem = match points[..] {
+        [] => Some("the file has no points: a spectrum has lines of a wavelength in nm and a density."),
+        [_] => {
+            Some("the file has one point: a spectrum needs two. One wavelength is given with --wavelength.")
+        }
+        _ if points.windows(2).map(area).sum::<f64>() == f64::INFINITY => {
+            Some("the integral of the spectrum overflows: reduce its densities.")
+        }
+        _ => None,
+    };
+    if let Some(problem) = problem {
+        return Err(bad_file(path, problem));
+    }
     let density = LinearDensity::new(points);
     Ok(WavelengthDistribution::Density(
         density.map_err(|error| bad_file(path, &format!("the spectrum is invalid: {error}")))?,

@@ -1,6 +1,7 @@
 //! `rayweave probe`: crossings and media along one ray.
 
 use crate::arguments::{ModelArguments, SubjectArguments, point};
+use crate::drawing;
 use crate::failure::Failure;
 use crate::terminal::{self, short, short_point};
 use clap::Args;
@@ -53,6 +54,7 @@ pub struct Probe {
 impl Probe {
     pub fn run(&self) -> Result<(), Failure> {
         let ray = self.ray()?;
+        self.timeline.as_deref().map_or(Ok(()), drawing::check_svg)?;
         let scene = self.model.load()?;
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;

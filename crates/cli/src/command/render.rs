@@ -275,7 +275,8 @@ impl Render {
             return Err(Failure::Usage(format!("--kind {kind} on a sheet: {why}. Leave it out.")));
         }
         let Some(out) = &self.out else {
-            return Ok(Path::new(self.model.stem()).with_added_extension("png"));
+            let out = Path::new(self.model.stem()).with_added_extension("png");
+            return crate::outputs::check_default(&out).map(|()| out);
         };
         if self.sheet().is_some() {
             return drawing::check(out).map(|()| out.clone());

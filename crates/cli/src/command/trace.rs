@@ -103,7 +103,8 @@ impl Trace {
         }
         let (rays, crossings) = (summary.rays, summary.crossings);
         let out = self.out.display();
-        terminal::print(&format!("{out}: {crossings} crossings of {rays} rays\n{}", chosen.summary()))
+        let rays = terminal::count(rays, "ray");
+        terminal::print(&format!("{out}: {crossings} crossings of {rays}\n{}", chosen.summary()))
     }
 
     /// The part to trace, if a range is given.

@@ -39,7 +39,7 @@ pub struct Volume {
 
     /// Trace about this many rays, one set for all regions, instead of rays until the precision is reached. They are divided into
     /// cells of two rays, at least three; --range counts cells
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(6..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(6..=MAX_TOTAL))]
     total: Option<u64>,
 
     #[command(flatten)]
@@ -57,6 +57,9 @@ pub struct Volume {
     #[arg(long)]
     json: bool,
 }
+
+/// The most rays of --total: sums of 2^35 cells, of two rays each, are exact.
+const MAX_TOTAL: u64 = 1 << 36;
 
 impl Volume {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {

@@ -3,7 +3,7 @@
 use crate::arguments::GlobalArguments;
 use crate::command::Render;
 use crate::failure::Failure;
-use crate::{interrupt, terminal};
+use crate::{interrupt, outputs, terminal};
 use clap::Args;
 use rayweave::table::{FileStamp, record_opened};
 use std::thread::sleep;
@@ -31,7 +31,9 @@ impl Watch {
         self.render.check_repeatable()?;
         loop {
             let model = FileStamp::of(self.render.model_file());
+            outputs::take_read();
             let (drawn, mut files) = record_opened(|| self.render.run(global));
+            files.extend(outputs::take_read());
             files.push(model);
             match drawn {
                 Ok(()) => {}

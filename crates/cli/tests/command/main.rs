@@ -14,6 +14,7 @@ mod memory;
 mod new;
 mod newlines;
 mod optics;
+mod outputs;
 mod pages;
 mod parts;
 mod photon_compare;

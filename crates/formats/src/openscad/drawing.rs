@@ -132,6 +132,29 @@ mod tests {
         boundary(&arguments, &flats, flat).expect("a region").iter().map(|contour| area(contour)).sum()
     }
 
+    /// A sweep of 1e60 would be converted to billions of curves.
+    #[test]
+    fn far_arcs_are_refused_before_they_are_converted() {
+        let read = |path: &str, facets: bool| {
+            let text = format!(r#"<svg xmlns="http://www.w3.org/2000/svg"><path d="{path}"/></svg>"#);
+            let options = SvgOptions { facets, dpi: 72.0, budget: &Budget::new(0) };
+            svg::read(&text, options).expect("a drawing")
+        };
+        let far = [
+            "a5 5 0 0 1 1e60 5 Z",
+            "a1e60 5 0 0 1 5 5 Z",
+            "h1e60 A5 5 0 0 1 5 5 Z",
+            "v-1e40 a5 5 0 0 1 5 5 Z",
+        ];
+        for (path, facets) in far.iter().flat_map(|path| [(path, false), (path, true)]) {
+            let drawing = read(&format!("M0 0 h20 v20 {path}"), facets);
+            assert!(drawing.leaves.is_empty(), "{path}");
+            assert_eq!(drawing.refused[0].1, "its numbers are too large", "{path}");
+        }
+        let near = read("M0 0 h20 v20 a1e9 1e9 0 0 1 -20 0 Z", false);
+        assert!(near.refused.is_empty() && near.leaves.len() == 1);
+    }
+
     fn svg_area(body: &str, facets: bool) -> f64 {
         let head = "xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\"";
         let page = "width=\"100mm\" height=\"100mm\" viewBox=\"0 0 100 100\"";

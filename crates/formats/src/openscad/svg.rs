@@ -18,12 +18,17 @@ use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::HashMap;
 use std::str::FromStr;
 use svgtypes::{
-    Align, AspectRatio, Length, LengthUnit, PointsParser, SimplePathSegment, SimplifyingPathParser,
+    Align, AspectRatio, Length, LengthUnit, PathParser, PathSegment, PointsParser, SimplePathSegment,
+    SimplifyingPathParser,
 };
 use svgtypes::{Transform, ViewBox};
 
 /// Largest coordinate and stroke width that are drawn.
 const FARTHEST: f64 = 1e100;
+/// Largest number of a path with elliptical arcs. The parser of paths converts an arc of radius r, in pixels, to as many curves as the
+/// sixth root of 11 r at least, which is 500 for this radius, but more than fit into memory for 1e60. Ends further apart than the
+/// diameter enlarge the radius, therefore all numbers are limited.
+const FARTHEST_OF_ARCS: f64 = 1e15;
 /// Maximal nesting depth of elements, counting each `use`.
 const DEEPEST: usize = 100;
 /// Maximum number of elements, counting each `use`.
@@ -339,6 +344,9 @@ impl<'a, 'input> Reader<'a, 'input> {
     }
 
     fn path(&mut self, node: Node, map: &Affine, style: Style) -> Result<(), String> {
+        if has_far_arcs(node.attribute("d").unwrap_or_default()) {
+            return self.refuse(node, "its numbers are too large");
+        }
         let mut chains: Vec<(Vec<Point>, bool)> = Vec::new();
         for segment in SimplifyingPathParser::from(node.attribute("d").unwrap_or_default()) {
             // SVG error handling: a path is drawn up to its first error
@@ -408,6 +416,30 @@ impl<'a, 'input> Reader<'a, 'input> {
         self.push(filled_near(budget, &closed, FillRule::EvenOdd)?, map)?;
         self.push(filled_near(budget, &strokes, FillRule::NonZero)?, map)
     }
+}
+
+/// True if a path has an elliptical arc and a number beyond [`FARTHEST_OF_ARCS`].
+fn has_far_arcs(path: &str) -> bool {
+    let (mut has_arcs, mut farthest) = (false, 0.0_f64);
+    for segment in PathParser::from(path).map_while(Result::ok) {
+        let numbers = match segment {
+            PathSegment::MoveTo { x, y, .. }
+            | PathSegment::LineTo { x, y, .. }
+            | PathSegment::SmoothQuadratic { x, y, .. } => [x, y, 0.0, 0.0, 0.0, 0.0],
+            PathSegment::HorizontalLineTo { x, .. } => [x, 0.0, 0.0, 0.0, 0.0, 0.0],
+            PathSegment::VerticalLineTo { y, .. } => [0.0, y, 0.0, 0.0, 0.0, 0.0],
+            PathSegment::CurveTo { x1, y1, x2, y2, x, y, .. } => [x1, y1, x2, y2, x, y],
+            PathSegment::SmoothCurveTo { x2, y2, x, y, .. } => [x2, y2, x, y, 0.0, 0.0],
+            PathSegment::Quadratic { x1, y1, x, y, .. } => [x1, y1, x, y, 0.0, 0.0],
+            PathSegment::EllipticalArc { rx, ry, x, y, .. } => {
+                has_arcs = true;
+                [rx, ry, x, y, 0.0, 0.0]
+            }
+            PathSegment::ClosePath { .. } => [0.0; 6],
+        };
+        farthest = numbers.iter().fold(farthest, |most, number| most.max(number.abs()));
+    }
+    has_arcs && farthest > FARTHEST_OF_ARCS
 }
 
 impl SvgOptions<'_> {

@@ -1,7 +1,7 @@
 //! Errors of writers.
 
 use crate::Format;
-use rayweave_error::{Classified, ErrorKind};
+use rayweave_error::{Classified, ErrorKind, short_number};
 use rayweave_math::Vec3;
 use rayweave_mesh::Diagnosis;
 use rayweave_mesh_io::FileError;
@@ -44,6 +44,23 @@ pub enum WriteError {
         /// Limit that is exceeded.
         why: String,
     },
+    /// A region has too many shapes for a format without repeated solids.
+    #[error(
+        "region `{region}` has more than {most} shapes and operators: every copy counts, because the format has no repeated \
+         solids. Write the native format (.toml)."
+    )]
+    Copies {
+        /// Name of the region.
+        region: String,
+        /// Limit that is exceeded.
+        most: usize,
+    },
+    /// No triangles remain of a solid at the tolerance.
+    #[error(
+        "the solid vanishes at the tolerance {}: no triangles within it enclose a volume. Reduce `--tolerance` (in Python \
+         tolerance).", short_number(*.0)
+    )]
+    Vanished(f64),
     /// A boolean operation on triangle meshes failed.
     #[error("the triangles of region `{region}` cannot be combined: {why}.")]
     Kernel {
@@ -114,10 +131,11 @@ impl Classified for WriteError {
             WriteError::Compile(error) => error.kind(),
             WriteError::Output(error) => error.kind(),
             // the file is not written
-            WriteError::Unsound { .. } => ErrorKind::Output,
-            WriteError::Unbounded { .. } | WriteError::Empty(_) | WriteError::Kernel { .. } => {
-                ErrorKind::Solid
-            }
+            WriteError::Unsound { .. } | WriteError::Copies { .. } => ErrorKind::Output,
+            WriteError::Unbounded { .. }
+            | WriteError::Empty(_)
+            | WriteError::Vanished(_)
+            | WriteError::Kernel { .. } => ErrorKind::Solid,
             _ => ErrorKind::Value,
         }
     }

@@ -95,8 +95,7 @@ pub(super) fn fold<B: Builder>(solid: &Solid, builder: &mut B) -> Result<Option<
             Task::Enter(solid, place, within) => {
                 count += 1;
                 if count + tasks.len() > MAX_NODES {
-                    let why = format!("more than {MAX_NODES} shapes and operators");
-                    return Err(WriteError::TooLarge { region: builder.region(), why });
+                    return Err(WriteError::Copies { region: builder.region(), most: MAX_NODES });
                 }
                 parts.extend(enter(solid, place, within, builder, &mut tasks)?);
             }
@@ -115,6 +114,27 @@ pub(super) fn fold<B: Builder>(solid: &Solid, builder: &mut B) -> Result<Option<
         }
         last => Ok(last.and_then(|(part, _)| part)),
     }
+}
+
+/// Refuses a solid with more shapes and operators than [`fold`] accepts, before any of them is built.
+pub(super) fn check_count(solid: &Solid, region: &str) -> Result<(), WriteError> {
+    let (mut waiting, mut count) = (vec![solid], 0);
+    while let Some(solid) = waiting.pop() {
+        count += 1;
+        let (copied, copies) = match solid.node() {
+            Node::Placed(inner, maps) if solid.boundary().is_none() => (Some(inner), maps.len()),
+            _ => (None, 0),
+        };
+        if count + waiting.len() + copies > MAX_NODES {
+            return Err(WriteError::Copies { region: region.to_owned(), most: MAX_NODES });
+        }
+        match copied {
+            Some(inner) => waiting.extend(std::iter::repeat_n(inner, copies)),
+            None if solid.boundary().is_none() => waiting.extend(solid.node().operand_refs()),
+            None => {}
+        }
+    }
+    Ok(())
 }
 
 fn outside(join: Join, mut operands: impl ExactSizeIterator<Item = Outside>) -> Outside {

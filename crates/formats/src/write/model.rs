@@ -22,6 +22,8 @@ pub(super) struct Model<'s> {
     /// Clip box: contains all regions, with a margin.
     pub clip: Bounds,
     pub tolerance: f64,
+    /// True if all regions are empty for certain.
+    pub is_empty: bool,
     /// Whether the model has faces that are not planar.
     pub has_curved_faces: bool,
     /// For each region the indices of the later regions whose boxes overlap its own.
@@ -38,7 +40,8 @@ impl<'s> Model<'s> {
             return Err(WriteError::Unbounded { region: scene.regions[number].name.clone(), format });
         }
         let whole = boxes.iter().fold(Bounds::EMPTY, |all, one| all.union(one));
-        let whole = if whole.is_empty() { Bounds::new(-Vec3::ONE, Vec3::ONE) } else { whole };
+        let is_empty = whole.is_empty();
+        let whole = if is_empty { Bounds::new(-Vec3::ONE, Vec3::ONE) } else { whole };
         let diagonal = whole.size().length();
         let tolerance = options.tolerance.unwrap_or(USUAL_TOLERANCE * diagonal);
         if !(tolerance > 0.0 && tolerance.is_finite()) {
@@ -47,7 +50,7 @@ impl<'s> Model<'s> {
         let later = later(&boxes);
         // a flat region has no extent in some direction
         let clip = whole.grown(MARGIN * diagonal);
-        Ok(Model { scene, clip, tolerance, has_curved_faces, later })
+        Ok(Model { scene, clip, tolerance, is_empty, has_curved_faces, later })
     }
 
     /// The regions with a medium other than the world's, with their indices.

@@ -1,7 +1,7 @@
 //! Mesh writer: each region as a closed triangle mesh within the tolerance.
 
 use super::facets::{self, Frame, Request, Turned};
-use super::fold::{Builder, Operation, fold};
+use super::fold::{Builder, Operation, check_count, fold};
 use super::model::Model;
 use super::remark::Remarks;
 use super::{RemarkKind, WriteError, WriteOptions};
@@ -13,6 +13,7 @@ use rayweave_mesh_io::{MeshFormat, MeshWriteOptions, ThreeMfUnit, write_objects}
 use rayweave_model::Boundary;
 use rayweave_scene::{Colour, Unit};
 use rayweave_shape::primitive::Primitive;
+use std::cell::Cell;
 
 /// How the shapes of a region are combined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,9 +46,42 @@ struct Triangulator<'m, 's> {
     way: Way,
     /// Number of profiles that were combined.
     combined: usize,
+    count: &'m TriangleCount,
+}
+
+/// Maximum number of triangles of the shapes of a model, apart from the largest shape, such as a large mesh that is converted to
+/// another format. They take about 220 bytes each before the first boolean operation. 2,000 separate balls have about 2 million at the
+/// default tolerance; copies that coincide have far more, because the tolerance follows the size of the model.
+const MAX_TRIANGLES: usize = 3_000_000;
+
+/// The triangles of the shapes of a model so far.
+#[derive(Default)]
+struct TriangleCount {
+    all: Cell<usize>,
+    largest: Cell<usize>,
+}
+
+impl TriangleCount {
+    /// Adds a shape; true if the model has too many triangles.
+    fn add(&self, triangles: usize) -> bool {
+        self.all.set(self.all.get().saturating_add(triangles));
+        self.largest.set(self.largest.get().max(triangles));
+        self.all.get() - self.largest.get() > MAX_TRIANGLES
+    }
 }
 
 impl<'m> Triangulator<'m, '_> {
+    /// A body, if the model does not become too large with it.
+    fn counted(&self, body: Option<Body>) -> Result<Option<Body>, WriteError> {
+        match body.as_ref().is_some_and(|body| self.count.add(body.triangle_count())) {
+            true => {
+                let why = format!("the shapes of the model have more than {MAX_TRIANGLES} triangles");
+                Err(WriteError::TooLarge { region: self.region(), why })
+            }
+            false => Ok(body),
+        }
+    }
+
     fn failed(&self, why: String) -> WriteError {
         WriteError::Kernel { region: self.region(), why }
     }
@@ -144,7 +178,8 @@ impl Builder for Triangulator<'_, '_> {
         }
         let clip = facets::clip_box(shape, &self.model.clip, within);
         let request = Request { shape, place, clip: &clip, tolerance: self.model.tolerance };
-        Ok(facets::body(&request).map_err(failed)?.map(Part::from))
+        let body = facets::body(&request).map_err(failed)?;
+        Ok(self.counted(body)?.map(Part::from))
     }
 
     fn bounded(&mut self, boundary: &dyn Boundary, place: &Affine) -> Result<Option<Part>, WriteError> {
@@ -152,8 +187,8 @@ impl Builder for Triangulator<'_, '_> {
             return Ok(None);
         };
         let body = Body::from_facets(facets).map_err(|why| self.failed(why))?;
-        let placed = body.map_or(Ok(None), |body| body.placed(place)).map_err(|why| self.failed(why))?;
-        Ok(placed.map(Part::from))
+        let body = body.map_or(Ok(None), |body| body.placed(place)).map_err(|why| self.failed(why))?;
+        Ok(self.counted(body)?.map(Part::from))
     }
 
     fn join(&mut self, by: Operation, parts: Vec<Part>) -> Result<Option<Part>, WriteError> {
@@ -191,9 +226,16 @@ fn combine(operation: Operation, mut parts: Vec<Body>) -> Result<Option<Body>, S
 }
 
 /// The solid of a region before subtractions, and whether profiles were combined.
-fn solid(model: &Model, region: usize, way: Way) -> Result<(Option<Body>, bool), WriteError> {
-    let mut builder = Triangulator { model, region, way, combined: 0 };
-    let part = fold(&model.scene.regions[region].solid, &mut builder)?;
+fn solid(
+    model: &Model,
+    region: usize,
+    way: Way,
+    count: &TriangleCount,
+) -> Result<(Option<Body>, bool), WriteError> {
+    let own = &model.scene.regions[region];
+    check_count(&own.solid, &own.name)?;
+    let mut builder = Triangulator { model, region, way, combined: 0, count };
+    let part = fold(&own.solid, &mut builder)?;
     let body = part.map_or(Ok(None), |part| builder.body(part)).map_err(|why| builder.failed(why))?;
     Ok((body, builder.combined > 0))
 }
@@ -207,9 +249,9 @@ struct Solids {
 
 impl Solids {
     fn of(model: &Model, way: Way) -> Result<Solids, WriteError> {
-        let mut all = Solids { bodies: Vec::new(), has_profiles: false };
+        let (mut all, count) = (Solids { bodies: Vec::new(), has_profiles: false }, TriangleCount::default());
         for region in 0..model.scene.regions.len() {
-            let (body, has_profiles) = solid(model, region, way)?;
+            let (body, has_profiles) = solid(model, region, way, &count)?;
             all.bodies.push(body);
             all.has_profiles |= has_profiles;
         }
@@ -332,7 +374,11 @@ pub(super) fn write(
         parts.push((name.as_str(), written));
     }
     if parts.is_empty() {
-        return Err(WriteError::Empty(Format::Mesh(format)));
+        let is_covered = model.later.iter().any(|later| !later.is_empty());
+        return Err(match model.is_empty || is_covered {
+            true => WriteError::Empty(Format::Mesh(format)),
+            false => WriteError::Vanished(model.tolerance),
+        });
     }
     let parts: Vec<(&str, &Mesh)> = parts.iter().map(|(name, mesh)| (*name, mesh)).collect();
     let mut bytes = Vec::new();
