@@ -94,7 +94,7 @@ impl SectionPlane {
         };
         match problem {
             Some(reason) => {
-                let problem = format!("a stack from {from} to {to} in steps of {step} is invalid");
+                let problem = format!("a stack from {from} to {to} in steps of {step:?} is invalid");
                 Err(AnalysisError::Value(Message::new(problem, reason)))
             }
             None => (0..=steps as u32).map(|k| self.at(step_of_stack(from, k, step))).collect(),

@@ -23,9 +23,9 @@ struct Triangulator<'m, 's> {
 }
 
 /// Maximum number of triangles of the shapes of a model, apart from the largest shape, such as a large mesh that is converted to
-/// another format. They take about 220 bytes each before the first boolean operation. 3,000 separate balls have 3 million at the
+/// another format. They take about 220 bytes each before the first boolean operation. 2,000 separate balls have about 2 million at the
 /// default tolerance; copies that coincide have far more, because the tolerance follows the size of the model.
-const MAX_TRIANGLES: usize = 4_000_000;
+const MAX_TRIANGLES: usize = 3_000_000;
 
 /// The triangles of the shapes of a model so far.
 #[derive(Default)]
