@@ -117,7 +117,7 @@ pub fn prescription_text(lens: &Prescription, semi_diameters: &[f64], unit: &str
     terminal::table(&head, &rows, &[false, true, true, false, true, true, false])
 }
 
-/// What the columns of a prescription do not contain.
+/// Contents of a lens file beside the columns of a prescription.
 fn remarks(lens: &Prescription, number: usize, surface: &Surface) -> Vec<&'static str> {
     let has = [
         (number == lens.stop, "stop"),

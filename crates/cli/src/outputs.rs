@@ -68,7 +68,7 @@ fn lock() -> MutexGuard<'static, Files> {
     FILES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What two names of one file have in common.
+/// Identity of a file, equal for all names of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Identity {
     /// The path without symbolic links.

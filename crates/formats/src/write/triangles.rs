@@ -15,7 +15,7 @@ use rayweave_scene::{Colour, Unit};
 use rayweave_shape::primitive::Primitive;
 use std::cell::Cell;
 
-/// How the shapes of a region are combined.
+/// Method of combining the shapes of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Way {
     /// Each shape as a body of facets.

@@ -271,7 +271,7 @@ fn tangents_meet_above_zero(a: &End, b: &End) -> bool {
 
 /// The root between two ends of different sign: Newton's method, safeguarded by bisection.
 ///
-/// Where |f| is noise, f may have another root than the one between the ends, with the opposite slope: an end may be a root
+/// If |f| is noise, f may have another root than the one between the ends, with the opposite slope: an end may be a root
 /// itself, or f may touch 0 there. Such a point replaces the nearer end and keeps that end's sign.
 pub(super) fn root(f: &impl Smooth, mut a: End, mut b: End) -> f64 {
     let (mut t, mut last) = (first_guess(&a, &b), b.t - a.t);
