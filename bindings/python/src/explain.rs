@@ -35,24 +35,39 @@ macro_rules! record {
 pub struct PyExplanation {
     explanation: Explanation,
     questions: PyOnceLock<Py<PyTuple>>,
+    /// The solid or model, and the window of the query: they suffice to compute the explanation again.
+    subject: Py<PyAny>,
+    window: [f64; 2],
 }
+
+/// A function that explains the answer of a solid or model, and its argument.
+type Again<'py> = (Bound<'py, PyAny>, (Bound<'py, PyAny>,));
 
 /// Explains the crossings of one ray.
 pub fn explain(
     program: &Arc<Program>,
+    subject: &Bound<'_, PyAny>,
     [origin, along]: [&Bound<'_, PyAny>; 2],
-    t_min: f64,
-    t_max: f64,
+    [t_min, t_max]: [f64; 2],
 ) -> PyResult<PyExplanation> {
     let window = Window::new(t_min, t_max)
         .map_err(|error| bad_value(format!("t_min = {t_min}, t_max = {t_max}: {error}")))?;
     let ray = Ray::new(vector(origin, "origin")?, direction(along, "direction")?);
     let explanation = origin.py().detach(|| rayweave::explain(program, ray, window)).map_err(bad_value)?;
-    Ok(PyExplanation { explanation, questions: PyOnceLock::new() })
+    let (subject, window) = (subject.clone().unbind(), [t_min, t_max]);
+    Ok(PyExplanation { explanation, questions: PyOnceLock::new(), subject, window })
 }
 
 #[pymethods]
 impl PyExplanation {
+    /// The pickle has the solid or model, and the question: the answer is the same, bit for bit.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Again<'py>> {
+        let (ray, [t_min, t_max]) = (&self.explanation.ray, self.window);
+        let arguments = ("explain", ray.origin.to_array(), ray.direction.to_array(), t_min, t_max);
+        let again = py.import("operator")?.getattr("methodcaller")?.call1(arguments)?;
+        Ok((again, (self.subject.bind(py).clone(),)))
+    }
+
     /// The name of the region just after t_min: "the world" where there is none.
     #[getter]
     fn start(&self) -> String {

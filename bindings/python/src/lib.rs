@@ -132,7 +132,7 @@ mod _core {
     #[pymodule_export]
     use crate::rootray::{PyRootRay, count_surfaces, least_separation, root_problems};
     #[pymodule_export]
-    use crate::section::{PySection, section_list, section_text};
+    use crate::section::{PySection, section_from_parts, section_list, section_text};
     #[pymodule_export]
     use crate::shapes::{manuals, shape};
     #[pymodule_export]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use numpy::PyArray2;
-use pyo3::exceptions::PyKeyError;
+use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyDict, PyIterator, PyList, PyString, PyTuple, PyType};
@@ -162,6 +162,26 @@ pub fn load_model(
     PyModel::new(read.map(|imported| (imported.stated, imported.scene)), is_overridden)
 }
 
+/// Words of other programs for methods, with what to write.
+const WORDS: [(&str, &str); 16] = [
+    ("bbox", "model.bounds"),
+    ("bounding_box", "model.bounds"),
+    ("export", "model.save(path)"),
+    ("first_hit", "model.nearest(origins, directions)"),
+    ("intersect", "model.crossings(origins, directions)"),
+    ("intersections", "model.crossings(origins, directions)"),
+    ("intersects", "model.crossings(origins, directions)"),
+    ("materials", "model.media"),
+    ("plot", "model.render().show()"),
+    ("ray_cast", "model.nearest(origins, directions)"),
+    ("region_at", "model.regions_at(points)"),
+    ("show", "model.render().show()"),
+    ("signed_distance", "model.distance(points)"),
+    ("trace", "model.crossings(origins, directions)"),
+    ("volume", "rw.measure(model)"),
+    ("write", "model.save(path)"),
+];
+
 /// Whether a solid has a name as writers of model files give it to parts of expressions: `_1`, `_2` and so on.
 fn is_generated(name: &str) -> bool {
     name.strip_prefix('_')
@@ -243,7 +263,8 @@ pub fn overrides(parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String
     let text = |name: &str, value: &Bound<'_, PyAny>| match value.cast::<PyString>() {
         Ok(text) => Ok(text.to_str()?.to_owned()),
         Err(_) => match value.extract::<f64>() {
-            Ok(number) => Ok(format!("{number:?}")),
+            Ok(number) if number.is_finite() => Ok(format!("{number:?}")),
+            Ok(number) => Err(bad_value(format!("parameters['{name}'] is {number}: it must be finite."))),
             Err(_) => Err(bad_type(format!(
                 "parameters['{name}'] is {}: it must be a number or an arithmetic expression.",
                 shown(value)
@@ -525,13 +546,13 @@ impl PyModel {
         origin: "ArrayLike", direction: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY
     ), text_signature = "($self, origin, direction, t_min=-1e999, t_max=1e999)")]
     fn explain(
-        &self,
+        slf: &Bound<'_, Self>,
         origin: &Bound<'_, PyAny>,
         direction: &Bound<'_, PyAny>,
         #[pyo3(from_py_with = time_argument)] t_min: f64,
         #[pyo3(from_py_with = time_argument)] t_max: f64,
     ) -> PyResult<PyExplanation> {
-        explain(&self.engine(origin.py())?.program, [origin, direction], t_min, t_max)
+        explain(&slf.get().engine(origin.py())?.program, slf.as_any(), [origin, direction], [t_min, t_max])
     }
 
     /// Explains the compilation of the model: the effect of each pass on its tree, and the pruned parts, with reasons: the text
@@ -596,6 +617,13 @@ impl PyModel {
     #[cfg_attr(false, stub("() -> Iterator[Region]"))]
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
         self.regions(py)?.try_iter()
+    }
+
+    /// Attributes that do not exist, with what other programs call them.
+    fn __getattr__(&self, name: &str) -> PyResult<Self> {
+        let meant = WORDS.iter().find(|(word, _)| *word == name);
+        let hint = meant.map_or(String::new(), |(_, write)| format!(": write {write}"));
+        Err(PyAttributeError::new_err(format!("a Model has no attribute '{name}'{hint}")))
     }
 
     /// A region by its name, or by its position in the list of regions.

@@ -7,6 +7,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyIterator, PyTuple};
 use rayweave::model::drive::Cancel;
+use rayweave::scene::{Colour, Unit};
 use rayweave::section::{
     By, CrossSection, SectionPart, SectionPlane, SectionRun, SectionSettings, cross_sections, section_dxf,
     section_svg,
@@ -167,9 +168,49 @@ impl PySection {
         show.call1((slf, svg.as_bytes(), ".svg")).map(|_| ())
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Pickled)> {
+        let CrossSection { plane, parts, lo, hi, tolerance } = self.section.clone();
+        let part = |own: SectionPart| {
+            let SectionPart { name, colour, area, perimeter, contours } = own;
+            (name, [colour.red, colour.green, colour.blue, colour.alpha], [area, perimeter], contours)
+        };
+        let parts = parts.into_iter().map(part).collect();
+        let make = py.import("rayweave._core")?.getattr("section_from_parts")?;
+        Ok((make, (plane.to_numbers(), parts, [lo, hi], tolerance, self.unit.to_owned())))
+    }
+
     fn _repr_svg_(&self) -> String {
         section_svg(std::slice::from_ref(&self.section), "", self.unit)
     }
+}
+
+/// The numbers of the plane, the parts, the corners, the tolerance and the unit of a section.
+type Pickled = (Vec<f64>, Vec<PickledPart>, [[f64; 2]; 2], f64, String);
+
+/// Name, colour, area and perimeter, and contours of a part.
+type PickledPart = (String, [u8; 4], [f64; 2], Vec<Vec<[f64; 2]>>);
+
+/// A section from its pickled parts.
+#[pyfunction]
+#[pyo3(signature = (
+    plane: "Sequence[float]", parts: "Sequence[Any]", corners: "Sequence[Sequence[float]]", tolerance, unit
+))]
+pub fn section_from_parts(
+    plane: Vec<f64>,
+    parts: Vec<PickledPart>,
+    corners: [[f64; 2]; 2],
+    tolerance: f64,
+    unit: &str,
+) -> PyResult<PySection> {
+    let damaged =
+        || bad_value("the pickled object is not a section: it is damaged or comes from a different version.");
+    let part = |own: PickledPart| {
+        let (name, [red, green, blue, alpha], [area, perimeter], contours) = own;
+        SectionPart { name, colour: Colour { red, green, blue, alpha }, area, perimeter, contours }
+    };
+    let (plane, [lo, hi]) = (SectionPlane::from_numbers(&plane).ok_or_else(damaged)?, corners);
+    let section = CrossSection { plane, parts: parts.into_iter().map(part).collect(), lo, hi, tolerance };
+    Ok(PySection::new(section, Unit::parse(unit).ok_or_else(damaged)?.symbol()))
 }
 
 /// The parts of a section as `rayweave._table.Rows`.

@@ -357,13 +357,13 @@ impl PySolid {
         origin: "ArrayLike", direction: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY
     ), text_signature = "($self, origin, direction, t_min=-1e999, t_max=1e999)")]
     fn explain(
-        &self,
+        slf: &Bound<'_, Self>,
         origin: &Bound<'_, PyAny>,
         direction: &Bound<'_, PyAny>,
         #[pyo3(from_py_with = time_argument)] t_min: f64,
         #[pyo3(from_py_with = time_argument)] t_max: f64,
     ) -> PyResult<PyExplanation> {
-        explain(&self.engine(origin.py())?.program, [origin, direction], t_min, t_max)
+        explain(&slf.get().engine(origin.py())?.program, slf.as_any(), [origin, direction], [t_min, t_max])
     }
 
     /// Whether points (N, 3) or (3,) are inside: bool (N,), or (...) for a grid (..., 3). A point on the surface has the side of

@@ -333,3 +333,9 @@ def test_names_are_categories_even_if_faces_share_one():
     assert column.dtype == "category" and column.tolist() == ["shell.sphere.side"] * 4
     misses = shell.nearest([[-3, 0, 0], [0, 5, 0]], [1, 0, 0]).to_pandas()["surface"]
     assert misses.isna().tolist() == [False, True]
+
+
+def test_parameters_are_finite():
+    for value in (float("nan"), float("inf")):
+        with pytest.raises(ValueError, match=r"parameters\['R'\] is (NaN|inf): it must be finite"):
+            rw.loads("rayweave = 1\n[parameters]\nR = 1\n[solid.s]\nsphere = { radius = 'R' }\n", {"R": value})

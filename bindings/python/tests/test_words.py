@@ -98,6 +98,8 @@ def test_representations_of_parts_are_python(value):
         (lambda: A.union, r"a Solid has no attribute 'union': write a \| b"),
         (lambda: A.export, r"write solid.save\(path\)"),
         (lambda: A.radius, "a Solid has no attribute 'radius'$"),
+        (lambda: rw.Model(A).trace, r"a Model has no attribute 'trace': write model.crossings\(origins, directions\)"),
+        (lambda: rw.Model(A).radius, "a Model has no attribute 'radius'$"),
     ],
 )
 def test_words_of_other_programs_are_suggested(call, message):

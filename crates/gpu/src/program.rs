@@ -324,14 +324,13 @@ impl GpuProgram {
         while let Some(answer) = worker.answers.get(k) {
             let time =
                 worker.times.get(k).filter(|_| is_trusted && answer[0] < MISS && answer[0] & COMPLETED != 0);
-            match time {
-                Some(&t) if !k.is_multiple_of(CHECKED) => {
-                    self.put_completed(&rays, part, k, (answer, t));
-                    report.timed += 1;
-                    k += 1;
-                    continue;
-                }
-                _ => {}
+            if let Some(&t) = time
+                && !k.is_multiple_of(CHECKED)
+                && self.put_completed(&rays, part, k, (answer, t)).is_some()
+            {
+                report.timed += 1;
+                k += 1;
+                continue;
             }
             let outcome = self.outcome(&rays, k, (answer, worker.routes.get(k)), &mut report);
             let is_same = |t: f64| matches!(&outcome, Outcome::Crossing(c) if c.t.to_bits() == t.to_bits());
@@ -392,25 +391,33 @@ impl GpuProgram {
         })
     }
 
-    /// Writes an answer with the time of the device.
-    fn put_completed(&self, rays: &Rays<'_>, part: &mut Part<'_>, k: usize, (answer, t): (&Answer, f64)) {
+    /// Writes an answer with the time of the device; `None`, without writing, if it names something that the model does not have.
+    fn put_completed(
+        &self,
+        rays: &Rays<'_>,
+        part: &mut Part<'_>,
+        k: usize,
+        (answer, t): (&Answer, f64),
+    ) -> Option<()> {
         let facet = (answer[0] & FACET) as usize;
-        let (number, placement) = self.labels[facet];
-        let placement = placement + self.layout.placements[answer[1] as usize];
-        let region = |number: u32| self.layout.regions[number as usize];
-        let (before, after) = (region(answer[2] >> 16), region(answer[2] & 0xffff));
+        let &(number, placement) = self.labels.get(facet)?;
+        let &face = self.layout.faces.get(facet)?;
+        let placement = placement + self.layout.placements.get(answer[1] as usize)?;
+        let region = |number: u32| self.layout.regions.get(number as usize).copied();
+        let (before, after) = (region(answer[2] >> 16)?, region(answer[2] & 0xffff)?);
         part.t[k] = t;
         part.face[k] = number;
         part.placement[k] = placement;
         part.before[k] = before;
         part.after[k] = after;
         if let Some(normal) = &mut part.normal {
-            let face = Face { placement: PlacementId(placement), ..self.layout.faces[facet] };
+            let face = Face { placement: PlacementId(placement), ..face };
             let (before, after) = (RegionId(before), RegionId(after));
             let crossing = Crossing { t, face, left: face, entered: face, before, after };
             let unit = attributes::normal(&self.program, &rays.get(k), &crossing).to_array();
             normal.iter_mut().zip(unit).for_each(|(column, x)| column[k] = x);
         }
+        Some(())
     }
 
     /// The crossing that an answer predicts, with the time of the CPU's kernel; `None` if that has no such root.

@@ -37,7 +37,7 @@ pub enum CompileProblem {
     Transform(#[from] SingularError),
     /// More parts than the 31-bit ids of a program can number.
     #[error(
-        "the model has more than 2^31 {what}: their numbers do not fit. Place shared parts (`place`) instead of copying them."
+        "the model has more than 2^31 {what}: their numbers do not fit. Nest fewer copies in each other, or place shared parts (`place`) instead of copying them."
     )]
     TooLarge {
         /// Leaves, surfaces or placements.

@@ -183,7 +183,11 @@
 //!
 //! The default features are those of the command-line program. With `default-features = false` the crate
 //! contains solids, programs, evaluators and root-rays, with at most twelve external crates; `analysis`,
-//! `draw`, `formats`, `lens`, `optics`, `render`, `scene`, `space`, `table`, `parquet` and `gpu` add the rest.
+//! `draw`, `formats`, `lens`, `optics`, `photon`, `render`, `scene`, `space`, `table`, `parquet`, `gpu`, `spans` and
+//! `seed-view` add the rest.
+//!
+//! Examples of items that the facade takes from another crate name that crate: read `rayweave_rootray::` as
+//! `rayweave::rootray::`, and so on; `check` and other questions about models are in `rayweave_analysis`.
 //!
 //! # Errors
 //!

@@ -87,6 +87,7 @@ __all__ = [
     "render",
     "revolve_outline",
     "root_problems",
+    "section_from_parts",
     "section_list",
     "section_text",
     "shape",
@@ -1455,6 +1456,11 @@ def section_list(
     threads: int | None,
 ) -> list[Section]:
     """Sections of a solid or a model by a plane, at the given offsets: see `rayweave.section`."""
+
+def section_from_parts(
+    plane: Sequence[float], parts: Sequence[Any], corners: Sequence[Sequence[float]], tolerance: float, unit: str
+) -> Section:
+    """A section from its pickled parts."""
 
 def section_text(sections: Sequence[Section], format: str, title: str) -> str:
     """Sections as one document, "svg" or "dxf"."""

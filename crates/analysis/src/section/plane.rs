@@ -60,6 +60,33 @@ impl SectionPlane {
         }
     }
 
+    /// The numbers that define the plane, for [`from_numbers`](Self::from_numbers).
+    pub fn to_numbers(&self) -> Vec<f64> {
+        match self.form {
+            Form::Axis(axis) => vec![axis as f64, self.offset],
+            Form::Oblique { point, normal } => {
+                [&point.to_array()[..], &normal.to_array(), &[self.offset]].concat()
+            }
+        }
+    }
+
+    /// The plane with these numbers of [`to_numbers`](Self::to_numbers), bit for bit; `None` for others.
+    pub fn from_numbers(numbers: &[f64]) -> Option<SectionPlane> {
+        let plane = match *numbers {
+            [axis, offset] => {
+                let axis = [0, 1, 2].into_iter().find(|own| *own as f64 == axis)?;
+                SectionPlane { form: Form::Axis(axis), offset }
+            }
+            [x, y, z, a, b, c, offset] => {
+                let (point, normal) = (Vec3::new(x, y, z), Vec3::new(a, b, c));
+                let is_unit = (normal.length() - 1.0).abs() < 1e-9;
+                SectionPlane { form: Form::Oblique { point, normal }, offset: is_unit.then_some(offset)? }
+            }
+            _ => return None,
+        };
+        numbers.iter().all(|number| number.is_finite()).then_some(plane)
+    }
+
     /// The parallel plane at another offset: the coordinate along an axis, or the distance from the point
     /// along the normal.
     ///
@@ -246,6 +273,12 @@ mod tests {
             [(Vec3::NAN, Vec3::X), (Vec3::ZERO, Vec3::ZERO), (Vec3::ZERO, Vec3::X * f64::INFINITY)]
         {
             assert!(SectionPlane::new(point, normal).unwrap_err().kind() == ErrorKind::Value);
+        }
+        for plane in [slanted.at(0.1).unwrap(), "y=0.3".parse().unwrap()] {
+            assert_eq!(SectionPlane::from_numbers(&plane.to_numbers()), Some(plane));
+        }
+        for numbers in [&[3.0, 0.0][..], &[0.0, f64::NAN], &[1.0], &[0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0]] {
+            assert_eq!(SectionPlane::from_numbers(numbers), None);
         }
         assert!(SectionPlane::across(3, 0.0).is_err() && slanted.at(f64::NAN).is_err());
     }

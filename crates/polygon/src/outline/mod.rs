@@ -88,10 +88,14 @@ impl Outline {
             .iter()
             .map(|(_, pieces)| Edge::divide(pieces, 3).iter().map(|edge| edge.from).collect())
             .collect();
+        // most contours are ruled out by their boxes
+        let boxes: Vec<[Point; 2]> = rough.iter().map(|points| bounds_of(points)).collect();
+        let is_in_box = |[x, y]: Point, [lo, hi]: [Point; 2]| lo[0] <= x && x <= hi[0] && lo[1] <= y && y <= hi[1];
         let is_island: Vec<bool> = (0..all.len())
             .map(|own| {
-                let around = (0..all.len()).filter(|other| *other != own);
-                around.filter(|other| is_within(rough[own][0], &rough[*other])).count() % 2 == 0
+                let point = rough[own][0];
+                let around = (0..all.len()).filter(|other| *other != own && is_in_box(point, boxes[*other]));
+                around.filter(|other| is_within(point, &rough[*other])).count() % 2 == 0
             })
             .collect();
         let mut problem = None;
@@ -146,6 +150,14 @@ pub fn is_outline_part(name: &str) -> bool {
     let part = ["top.", "bottom."].iter().find_map(|rim| name.strip_prefix(rim)).unwrap_or(name);
     let rest = part.strip_prefix("contour");
     rest.is_some_and(|rest| rest.starts_with(|next: char| next.is_ascii_digit() || next == '.'))
+}
+
+/// The smallest and largest coordinates of points.
+fn bounds_of(points: &[Point]) -> [Point; 2] {
+    let none = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    points.iter().fold(none, |[lo, hi], point| {
+        [[lo[0].min(point[0]), lo[1].min(point[1])], [hi[0].max(point[0]), hi[1].max(point[1])]]
+    })
 }
 
 /// The circle that two half circles form.
