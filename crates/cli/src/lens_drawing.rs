@@ -86,7 +86,7 @@ fn front(lens: &Prescription, system: &System) -> Option<f64> {
     let track: f64 = lens.surfaces.iter().map(|surface| surface.thickness.abs()).sum();
     let bounds = system.program().bounds();
     let is_distant = lens.object_distance > 2.0 * track && bounds.is_finite() && !bounds.is_empty();
-    is_distant.then(|| bounds.lo.z - 0.2 * (bounds.hi.z - bounds.lo.z))
+    is_distant.then_some(bounds.lo.z - 0.2 * (bounds.hi.z - bounds.lo.z))
 }
 
 fn source(
