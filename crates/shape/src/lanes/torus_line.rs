@@ -369,7 +369,9 @@ impl<S: Simd> Search<S> {
         let certain = between & is_certain(jet, step, minor);
         let moved = (near - s).abs();
         let is_noise = jet.value.abs().simd_le(UNIT_ROUNDOFF * minor);
-        let recedes = if self.enters { jet.slope.simd_gt(0.0) } else { jet.slope.simd_lt(0.0) };
+        let is_opposite = if self.enters { jet.slope.simd_gt(0.0) } else { jet.slope.simd_lt(0.0) };
+        let recedes =
+            is_opposite & (jet.slope * jet.slope).simd_gt(jet.curvature().abs() * (UNIT_ROUNDOFF * minor));
         let settled = (is_noise | moved.simd_le(s.abs() * UNIT_ROUNDOFF)) & !recedes;
         let next = between.select(near, self.lo * 0.5 + self.hi * 0.5);
         let done = self.active & (certain | settled | next.simd_eq(s));

@@ -306,7 +306,7 @@ impl TorusLine {
             }
             let is_small =
                 jet.value.abs() <= UNIT_ROUNDOFF * least || (near - s).abs() <= UNIT_ROUNDOFF * s.abs();
-            if is_small && !recedes(&jet, starts_negative) {
+            if is_small && !recedes(&jet, starts_negative, UNIT_ROUNDOFF * least) {
                 // if slope and curvature vanish too, the parabola is noise and its root may be anywhere
                 let polished = between && (near - s).abs() <= POLISH;
                 return if polished { near } else { s };
@@ -344,11 +344,14 @@ fn within(lo: f64, hi: f64, s: f64) -> f64 {
 ///
 /// On a piece, g is convex or concave, so it has its only extremum between such a point and the sign change: the point is not
 /// the sign change, however small g is there. This occurs at an inflection near which the line is almost tangent, with contact
-/// of third order: g is about `c s (s^2 - w^2)` about it, below its noise at s = 0, with sign changes at +-w as well. For a
-/// slope `c w^2` above its noise u the extremum between is up to `u^1.5` high; lines with smaller slopes have nothing to lose.
-/// The root of the parabola at such a point is outside the bracket, so the next step is a bisection. An unknown slope is none.
-fn recedes(jet: &Jet, starts_negative: bool) -> bool {
-    if starts_negative { jet.slope < 0.0 } else { jet.slope > 0.0 }
+/// of third order: g is about `c s (s^2 - w^2)` about it, below its noise at s = 0, with sign changes at +-w as well.
+///
+/// The extremum of the local parabola differs from the value by `slope^2 / curvature`. If that is noise, too, the line touches
+/// the torus there, and the point stands for both sign changes. The root of the parabola at a receding point is outside the
+/// bracket, so the next step is a bisection. An unknown slope is none.
+fn recedes(jet: &Jet, starts_negative: bool, noise: f64) -> bool {
+    let is_opposite = if starts_negative { jet.slope < 0.0 } else { jet.slope > 0.0 };
+    is_opposite && jet.slope * jet.slope > jet.curvature().abs() * noise
 }
 
 /// Root of `value + 2 slope x + curvature x^2` nearest to 0; NaN if there is none.
