@@ -90,7 +90,8 @@ impl Outline {
             .collect();
         // most contours are ruled out by their boxes
         let boxes: Vec<[Point; 2]> = rough.iter().map(|points| bounds_of(points)).collect();
-        let is_in_box = |[x, y]: Point, [lo, hi]: [Point; 2]| lo[0] <= x && x <= hi[0] && lo[1] <= y && y <= hi[1];
+        let is_in_box =
+            |[x, y]: Point, [lo, hi]: [Point; 2]| lo[0] <= x && x <= hi[0] && lo[1] <= y && y <= hi[1];
         let is_island: Vec<bool> = (0..all.len())
             .map(|own| {
                 let point = rough[own][0];

@@ -49,7 +49,9 @@ fn check_ray(ray: &[f64], location: RayLocation, problems: &mut ProblemList) -> 
         let message = match () {
             () if x.is_nan() => format!("{name} is NaN: a ray is six finite numbers."),
             () if x.is_infinite() => format!("{name} is infinite: a ray is six finite numbers."),
-            () => format!("{name} is {x:e}: numbers beyond 1e100 overflow in computations. Use a larger unit."),
+            () => {
+                format!("{name} is {x:e}: numbers beyond 1e100 overflow in computations. Use a larger unit.")
+            }
         };
         problems.add(location.problem(Some(column), message));
     }
