@@ -182,12 +182,6 @@ const WORDS: [(&str, &str); 16] = [
     ("write", "model.save(path)"),
 ];
 
-/// Whether a solid has a name as writers of model files give it to parts of expressions: `_1`, `_2` and so on.
-fn is_generated(name: &str) -> bool {
-    name.strip_prefix('_')
-        .is_some_and(|number| !number.is_empty() && number.bytes().all(|c| c.is_ascii_digit()))
-}
-
 /// A unit of length by its symbol.
 pub fn unit_of(symbol: &str) -> PyResult<Unit> {
     Unit::parse(symbol).ok_or_else(|| {
@@ -654,14 +648,10 @@ impl PyModel {
         self.current_document().to_toml()
     }
 
-    /// Equal if solids, regions, media and pictures are equal, regardless of the parameters behind them. Solids to which a
-    /// writer gave a name, such as `_1`, count as parts of the others.
+    /// Equal if regions, media, unit and pictures are equal, regardless of parameters and of names that solids have apart from
+    /// regions: a writer gives names to the parts of expressions.
     fn __eq__(&self, other: PyRef<'_, Self>) -> bool {
-        let meaning = |scene: &Scene| Scene {
-            parameters: Vec::new(),
-            solids: scene.solids.iter().filter(|(name, _)| !is_generated(name)).cloned().collect(),
-            ..scene.clone()
-        };
+        let meaning = |scene: &Scene| Scene { parameters: Vec::new(), solids: Vec::new(), ..scene.clone() };
         meaning(&self.scene) == meaning(&other.scene)
     }
 

@@ -27,7 +27,7 @@ fn inputs_are_not_overwritten() {
     bench.write("c.csv", "contour,x,y\n0,0,0\n0,1,0\n0,1,1\n");
     refused(&["infill", "c.csv", "--spacing", "0.1", "-o", "c.csv"], "c.csv");
     // the usual name of a picture
-    bench.write("shot.png", &bench.read("ball.toml"));
+    bench.write("shot.png", bench.read("ball.toml"));
     refused(&["render", "shot.png", "--format", "native"], "shot.png");
     #[cfg(unix)]
     {
