@@ -488,8 +488,8 @@ class Model:
         """The model file as text."""
 
     def __eq__(self, other: object, /) -> bool:
-        """Equal if solids, regions, media and pictures are equal, regardless of the parameters behind them. Solids to which a
-        writer gave a name, such as `_1`, count as parts of the others.
+        """Equal if regions, media, unit and pictures are equal, regardless of parameters and of names that solids have apart from
+        regions: a writer gives names to the parts of expressions.
         """
 
     def __hash__(self) -> int: ...
@@ -1442,6 +1442,15 @@ class Section:
 
     def _repr_svg_(self) -> str: ...
 
+def section_from_parts(
+    plane: Sequence[float],
+    parts: Sequence[Any],
+    corners: Sequence[Sequence[float]],
+    tolerance: float,
+    unit: str,
+) -> Section:
+    """A section from its pickled parts."""
+
 def section_list(
     subject: Subject,
     plane: str,
@@ -1456,11 +1465,6 @@ def section_list(
     threads: int | None,
 ) -> list[Section]:
     """Sections of a solid or a model by a plane, at the given offsets: see `rayweave.section`."""
-
-def section_from_parts(
-    plane: Sequence[float], parts: Sequence[Any], corners: Sequence[Sequence[float]], tolerance: float, unit: str
-) -> Section:
-    """A section from its pickled parts."""
 
 def section_text(sections: Sequence[Section], format: str, title: str) -> str:
     """Sections as one document, "svg" or "dxf"."""
