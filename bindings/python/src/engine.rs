@@ -261,6 +261,15 @@ impl QueryOptions {
         let threads = threads.map(thread_argument).transpose()?;
         Ok(QueryOptions { window, evaluator, threads, device })
     }
+
+    /// The options of a query at points, which has no window.
+    pub fn of_points(
+        evaluator: Option<&str>,
+        threads: Option<&Bound<'_, PyAny>>,
+        device: &str,
+    ) -> PyResult<Self> {
+        QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads, device)
+    }
 }
 
 /// The error for a value that is not a whole number, or one too large for any use.

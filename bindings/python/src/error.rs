@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use pyo3::exceptions::{PyFileNotFoundError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyAttributeError, PyFileNotFoundError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
 pyo3::create_exception!(
@@ -26,6 +26,13 @@ pub fn bad_value(message: impl std::fmt::Display) -> PyErr {
 /// A `TypeError` with this message.
 pub fn bad_type(message: impl std::fmt::Display) -> PyErr {
     PyTypeError::new_err(message.to_string())
+}
+
+/// The error about an attribute that an object does not have; `words` has words of other programs with what to write.
+pub fn no_attribute(kind: &str, name: &str, words: &[(&str, &str)]) -> PyErr {
+    let meant = words.iter().find(|(word, _)| *word == name);
+    let hint = meant.map_or(String::new(), |(_, write)| format!(": write {write}"));
+    PyAttributeError::new_err(format!("a {kind} has no attribute '{name}'{hint}"))
 }
 
 /// The error about a solid as a condition, such as `a and b`, which Python would answer with `b`.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use numpy::PyArray2;
-use pyo3::exceptions::{PyAttributeError, PyKeyError};
+use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyDict, PyIterator, PyList, PyString, PyTuple, PyType};
@@ -18,7 +18,7 @@ use crate::build::scene_of_parts;
 use crate::camera::camera_of;
 use crate::drawing::{Subject, notebook_png, render_method};
 use crate::engine::{Engine, QueryOptions, computed, time_argument};
-use crate::error::{bad_type, bad_value, require_file, shown};
+use crate::error::{bad_type, bad_value, no_attribute, require_file, shown};
 use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
 use crate::save::{format_of, save_scene};
@@ -499,7 +499,7 @@ impl PyModel {
         threads: Option<&Bound<'py, PyAny>>,
         device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let options = QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads, device)?;
+        let options = QueryOptions::of_points(evaluator, threads, device)?;
         points::contains(self.engine(points.py())?, points, &options)
     }
 
@@ -515,7 +515,7 @@ impl PyModel {
         threads: Option<&Bound<'py, PyAny>>,
         device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let options = QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads, device)?;
+        let options = QueryOptions::of_points(evaluator, threads, device)?;
         points::regions_at(self.engine(points.py())?, points, &options)
     }
 
@@ -615,9 +615,7 @@ impl PyModel {
 
     /// Attributes that do not exist, with what other programs call them.
     fn __getattr__(&self, name: &str) -> PyResult<Self> {
-        let meant = WORDS.iter().find(|(word, _)| *word == name);
-        let hint = meant.map_or(String::new(), |(_, write)| format!(": write {write}"));
-        Err(PyAttributeError::new_err(format!("a Model has no attribute '{name}'{hint}")))
+        Err(no_attribute("Model", name, &WORDS))
     }
 
     /// A region by its name, or by its position in the list of regions.

@@ -5,7 +5,6 @@ use std::sync::OnceLock;
 
 use numpy::PyArray2;
 use numpy::ndarray::arr2;
-use pyo3::exceptions::PyAttributeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyIterator, PyList, PyTuple};
 use rayweave::formats::WriteOptions;
@@ -15,7 +14,7 @@ use rayweave::scene::Document;
 
 use crate::drawing::{Subject, notebook_png, render_method};
 use crate::engine::{Engine, QueryOptions, computed, time_argument};
-use crate::error::{bad_type, bad_value, no_sum, no_truth_value, shown};
+use crate::error::{bad_type, bad_value, no_attribute, no_sum, no_truth_value, shown};
 use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
 use crate::repr::python_text;
@@ -208,9 +207,7 @@ impl PySolid {
 
     /// Attributes that do not exist, with what other programs call them.
     fn __getattr__(&self, name: &str) -> PyResult<Self> {
-        let meant = WORDS.iter().find(|(word, _)| *word == name);
-        let hint = meant.map_or(String::new(), |(_, write)| format!(": write {write}"));
-        Err(PyAttributeError::new_err(format!("a Solid has no attribute '{name}'{hint}")))
+        Err(no_attribute("Solid", name, &WORDS))
     }
 
     /// No truth value: `a and b` would be `b`.
@@ -378,7 +375,7 @@ impl PySolid {
         threads: Option<&Bound<'py, PyAny>>,
         device: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let options = QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads, device)?;
+        let options = QueryOptions::of_points(evaluator, threads, device)?;
         points::contains(self.engine(points.py())?, points, &options)
     }
 

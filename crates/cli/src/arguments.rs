@@ -295,16 +295,19 @@ pub struct OnlyArguments {
 }
 
 impl OnlyArguments {
-    pub fn is_given(&self) -> bool {
-        self.solid.is_some()
-    }
-
     /// The model or, if a solid is chosen, a model with this solid as its only region.
     pub fn of(&self, scene: Scene) -> Result<Scene, Failure> {
         match &self.solid {
             Some(name) => Ok(scene.alone(name)?),
             None => Ok(scene),
         }
+    }
+
+    /// Like [`of`](Self::of), for a model with its document, which a part of it does not have: the document has the other solids
+    /// and regions.
+    pub fn of_import(&self, imported: Imported) -> Result<Imported, Failure> {
+        let stated = imported.stated.filter(|_| self.solid.is_none());
+        Ok(Imported { scene: self.of(imported.scene)?, stated, ..imported })
     }
 }
 

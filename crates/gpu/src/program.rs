@@ -401,7 +401,6 @@ impl GpuProgram {
     ) -> Option<()> {
         let facet = (answer[0] & FACET) as usize;
         let &(number, placement) = self.labels.get(facet)?;
-        let &face = self.layout.faces.get(facet)?;
         let placement = placement + self.layout.placements.get(answer[1] as usize)?;
         let region = |number: u32| self.layout.regions.get(number as usize).copied();
         let (before, after) = (region(answer[2] >> 16)?, region(answer[2] & 0xffff)?);
@@ -411,7 +410,8 @@ impl GpuProgram {
         part.before[k] = before;
         part.after[k] = after;
         if let Some(normal) = &mut part.normal {
-            let face = Face { placement: PlacementId(placement), ..face };
+            // there is a label for each face
+            let face = Face { placement: PlacementId(placement), ..self.layout.faces[facet] };
             let (before, after) = (RegionId(before), RegionId(after));
             let crossing = Crossing { t, face, left: face, entered: face, before, after };
             let unit = attributes::normal(&self.program, &rays.get(k), &crossing).to_array();

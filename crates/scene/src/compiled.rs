@@ -23,9 +23,7 @@ impl Compiled {
     /// [`SceneError::Compile`], for example for a singular transform, or if repeated solids expand to too many leaves
     /// ([`check_repetition`](rayweave_model::check_repetition)).
     pub fn new(scene: &Scene) -> Result<Compiled, SceneError> {
-        let program = Program::compile_file_regions(&scene.model_regions())?;
-        let media = scene.medium_names().into_iter().map(str::to_owned).collect();
-        Ok(Compiled { program: Arc::new(program), media })
+        Compiled::of(&scene.model_regions(), scene.medium_names())
     }
 
     /// Compiles the regions of a scene, each as a medium of its own, with the name of the region: crossings between regions of
@@ -37,10 +35,13 @@ impl Compiled {
     pub fn by_region(scene: &Scene) -> Result<Compiled, SceneError> {
         let regions: Vec<_> =
             (1..).zip(scene.model_regions()).map(|(medium, region)| Region { medium, ..region }).collect();
-        let program = Program::compile_file_regions(&regions)?;
-        let names = scene.regions.iter().map(|region| region.name.clone());
-        let media = std::iter::once("world".to_owned()).chain(names).collect();
-        Ok(Compiled { program: Arc::new(program), media })
+        let names = regions.iter().map(|region| region.name.as_str());
+        Compiled::of(&regions, std::iter::once("world").chain(names))
+    }
+
+    fn of<'a>(regions: &[Region], media: impl IntoIterator<Item = &'a str>) -> Result<Compiled, SceneError> {
+        let program = Arc::new(Program::compile_file_regions(regions)?);
+        Ok(Compiled { program, media: media.into_iter().map(str::to_owned).collect() })
     }
 
     /// Compiles one solid of a scene as the only region: see [`Scene::alone`].

@@ -152,11 +152,8 @@ impl Kinds {
 
 impl Check {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
-        let mut imported = self.model.import_all()?;
-        if self.only.is_given() {
-            imported.stated = None;
-        }
-        let scene = self.only.of(imported.scene)?;
+        let imported = self.only.of_import(self.model.import_all()?)?;
+        let scene = imported.scene;
         let settings = CheckSettings {
             wall: self.wall,
             gap: self.gap,

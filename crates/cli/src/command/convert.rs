@@ -52,11 +52,7 @@ pub struct Convert {
 impl Convert {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let format = self.format()?;
-        let mut imported = self.model.import()?;
-        if self.only.is_given() {
-            // the document has the other solids and regions
-            (imported.scene, imported.stated) = (self.only.of(imported.scene)?, None);
-        }
+        let imported = self.only.of_import(self.model.import()?)?;
         let options =
             WriteOptions { tolerance: self.tolerance, text: self.text, allow_unsound: self.allow_unsound };
         let written = formats::write(&imported.scene, imported.stated.as_ref(), format, &options);

@@ -115,9 +115,8 @@ impl Section {
             () if is_taken => Ok(()),
             () if self.json => terminal::print(&format!("{:#}\n", self.as_json(&scene, &found))),
             () => {
-                let written = self.out.iter().filter(|_| !global.quiet);
-                let written: String = written.map(|path| format!("wrote {}\n", path.display())).collect();
-                terminal::print(&(self.as_text(&scene, &found) + &written))
+                terminal::print(&self.as_text(&scene, &found))?;
+                self.out.iter().try_for_each(|path| terminal::wrote(path, global.quiet))
             }
         }
     }
