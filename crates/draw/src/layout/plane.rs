@@ -119,7 +119,8 @@ mod tests {
         assert_eq!("ZX".parse(), Ok(LayoutPlane::Y(0.0)));
         assert_eq!(" x = -2.5 ".parse(), Ok(LayoutPlane::X(-2.5)));
         assert_eq!("z=1e3".parse(), Ok(LayoutPlane::Z(1000.0)));
-        for text in ["", "xx", "w=1", "x=", "x=inf", "x=nan", "y"] {
+        assert_eq!("y".parse(), Ok(LayoutPlane::Y(0.0)));
+        for text in ["", "xx", "w=1", "x=", "x=inf", "x=nan", "w"] {
             assert!(text.parse::<LayoutPlane>().unwrap_err().to_string().contains("x=2.5"), "{text}");
         }
         assert_eq!(LayoutPlane::X(2.5).to_string(), "x = 2.5");
