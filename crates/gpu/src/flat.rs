@@ -31,8 +31,8 @@ pub(crate) struct Atom {
     pub facets: Vec<FlatFacet>,
     /// The number of its frame in [`Flat::frames`]; `None` for the frame of the group.
     pub frame: Option<usize>,
-    /// The placement of the leaf, relative to that of the group.
-    pub placement: u32,
+    /// The placed solid of the group that contains it, counted from 1; 0 if the group itself does.
+    pub instance: u32,
 }
 
 /// An operand: a node, possibly complemented, or a constant.
@@ -149,10 +149,14 @@ impl Flat {
         let leaf = program.leaf(LeafId(prototype.leaves.start + number));
         match leaf.kind() {
             LeafKind::Instance { prototype: inner, placement: offset } => {
+                let first = self.atoms.len();
                 places.push(leaf.place());
                 let outputs = program.prototype(inner).expression.outputs().to_vec();
                 let found = self.add(program, inner, &outputs[..1], places, placement + offset);
                 places.pop();
+                if places.is_empty() {
+                    self.atoms[first..].iter_mut().for_each(|atom| atom.instance = number + 1);
+                }
                 Ok(found?[0])
             }
             LeafKind::Shape { .. } => {
@@ -171,7 +175,7 @@ impl Flat {
                 let first = self.atoms.len();
                 let parts =
                     [convex].into_iter().filter(|c| !c.is_empty()).chain(single.into_iter().map(|f| vec![f]));
-                self.atoms.extend(parts.map(|facets| Atom { facets, frame, placement }));
+                self.atoms.extend(parts.map(|facets| Atom { facets, frame, instance: 0 }));
                 let atoms: Vec<Operand> =
                     (first..self.atoms.len()).map(|atom| Operand::Atom(atom, false)).collect();
                 match atoms[..] {
@@ -182,16 +186,16 @@ impl Flat {
         }
     }
 
-    /// The number of the frame of the current placement. The leaves of one placement follow each other.
+    /// The number of the frame of the current placement: solids with equal maps share it.
     fn frame(&mut self, places: &[Place], group: PrototypeId) -> Option<usize> {
         if places.is_empty() {
             return None;
         }
-        let is_last = self.frames.last().is_some_and(|last| last.places == places);
-        if !is_last {
+        let known = self.frames.iter().rposition(|frame| frame.places == places && frame.group == group);
+        known.or_else(|| {
             self.frames.push(FlatFrame { places: places.to_vec(), group });
-        }
-        Some(self.frames.len() - 1)
+            Some(self.frames.len() - 1)
+        })
     }
 }
 

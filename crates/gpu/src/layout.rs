@@ -194,10 +194,11 @@ impl Builder {
             })
             .collect();
         let first_atom = self.atoms.len() as u32 / 2;
+        let mut keys = HashMap::new();
         for atom in &flat.atoms {
             let (map, own) = atom.frame.map_or((NONE, *frame), |k| frames[k]);
             self.layout.placed_atoms |= map != NONE;
-            self.atom(program, atom, map, &own);
+            self.atom(program, atom, map, &own, &mut keys);
             let ball = if flat.atoms.len() > 2 { self.ball(program, atom, flat, frame) } else { NONE };
             self.atoms.push([ball, 0, 0, 0]);
         }
@@ -238,15 +239,23 @@ impl Builder {
         [first, self.outputs.len() as u32 - first]
     }
 
-    fn atom(&mut self, program: &Program, atom: &Atom, map: u32, frame: &Frame) {
+    /// Adds an atom. `keys` has those of placed facets, by the frame in the group and the surface.
+    fn atom(
+        &mut self,
+        program: &Program,
+        atom: &Atom,
+        map: u32,
+        frame: &Frame,
+        keys: &mut HashMap<(usize, u32), u32>,
+    ) {
         let first = self.facets.len() as u32;
         for facet in &atom.facets {
             let surface = facet.facet.surface();
             let (row, kind) = self.surface(program, surface.0, frame);
             self.layout.kinds[kind as usize] = true;
-            // surfaces of one placement with equal numbers are one surface; placed ones have keys of their own
-            let key =
-                if atom.placement == 0 { surface.0 } else { 1 << 30 | (self.layout.faces.len() as u32) };
+            // surfaces with equal numbers in one frame are one surface: a ray has the same roots in it, bit for bit
+            let own = 1 << 30 | (self.layout.faces.len() as u32);
+            let key = atom.frame.map_or(surface.0, |at| *keys.entry((at, surface.0)).or_insert(own));
             self.facets.push([row, (kind as u32) << 1 | u32::from(facet.facet.inside()), key, 0]);
             self.layout.faces.push(Face {
                 leaf: LeafId(facet.leaf.0),
@@ -258,7 +267,7 @@ impl Builder {
         if let Some(facet) = atom.facets.iter().find(|f| !has_kernel(program, f.facet)) {
             self.around(program, facet, frame);
         }
-        self.atoms.push([first, self.facets.len() as u32 - first, map, atom.placement]);
+        self.atoms.push([first, self.facets.len() as u32 - first, map, atom.instance]);
     }
 
     /// Adds a facet in place of those without a kernel: the ball around their leaf, outside of which the leaf is not.

@@ -268,3 +268,36 @@ fn regions_and_placed_solids_in_a_hierarchy() {
     println!("{report:?}");
     assert!(report.cpu_share() < 0.01, "{report:?}");
 }
+
+/// Placed solids in two regions: both contain the same surface of each copy, and the first whose change matters has the face.
+#[test]
+fn placed_solids_in_two_regions() {
+    let Some(adapter) = adapter() else { return };
+    let mut rng = Random::new(17);
+    let egg = |radius| sphere(radius, Vec3::ZERO).apply(Affine::scale(Vec3::new(1.0, 1.0, 0.7)));
+    // within a copy, two leaves share the inner surface
+    let half = shape("half_space", &[("normal", Vec3::X.into()), ("offset", 0.0.into())]);
+    let shell = (egg(0.5) - egg(0.2)) | (egg(0.2) & half);
+    let maps: Vec<Affine> = (0..5)
+        .map(|_| {
+            let turn = Affine::rotation(rng.direction(), 40.0);
+            turn.then(&Affine::translate(rng.direction()))
+        })
+        .collect();
+    let blank = sphere(1.0, Vec3::ZERO);
+    let (dents, ink) = (shell.clone().place(maps.clone()), egg(0.55).place(maps));
+    let body = blank - dents.clone();
+    // the last region is without the dents, or the dents
+    for (k, last) in [body.clone() & ink, dents].into_iter().enumerate() {
+        let region = |name: &str, solid: &Solid, medium| Region {
+            name: name.to_owned(),
+            solid: solid.clone(),
+            medium,
+        };
+        let regions = [region("body", &body, 1), region("last", &last, 2)];
+        let program = Arc::new(Program::compile_regions(&regions).unwrap());
+        let report = check(&adapter, &program, &chords(&mut rng, 1.0, 20_000), &format!("last {k}")).unwrap();
+        println!("{k}: {report:?}");
+        assert!(report.cpu_share() < 0.01, "{k}: {report:?}");
+    }
+}

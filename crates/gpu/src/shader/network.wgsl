@@ -117,14 +117,17 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
             }
             if count > 1u {
                 atom = NONE;
+                var instance = 0u;
                 for (var k = 0u; k < group.y; k++) {
                     if !has(ties, k) {
                         continue;
                     }
-                    // a placed solid is one leaf, whose own face the CPU determines
-                    if tables[params.atoms + 2u * (group.x + k)].w != 0u {
+                    // a placed solid is one leaf; if several of its atoms change, the CPU determines its face. They follow each other
+                    let own = tables[params.atoms + 2u * (group.x + k)].w;
+                    if own != 0u && own == instance {
                         return unsure(start, lo);
                     }
+                    instance = own;
                     if atom == NONE
                         && (medium_in(outputs, owner(group, outputs, flipped(bits, k))) != medium
                             || medium_in(outputs, owner(group, outputs, flipped(next_bits, k))) != next_medium) {
