@@ -37,6 +37,10 @@ pub fn real_array<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<RealA
     match array.dtype().kind() {
         b'f' if array.dtype().itemsize() == size_of::<f32>() => converted(&array).map(RealArray::Single),
         b'f' | b'i' | b'u' => converted(&array).map(RealArray::Double),
+        b'O' => Err(bad_type(format!(
+            "{name} has dtype object: its elements are Python objects, not numbers of one type. Convert it, as by \
+             numpy.asarray(values, dtype=float)."
+        ))),
         _ => Err(bad_type(format!("{name} has dtype {}: its numbers must be real.", array.dtype()))),
     }
 }

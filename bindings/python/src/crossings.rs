@@ -403,6 +403,7 @@ pub fn partition<'py>(
     engine: &Engine,
     rays: [&Bound<'py, PyAny>; 2],
     options: &QueryOptions,
+    by: &str,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (py, tables) = (rays[0].py(), QueryArguments::new(engine, rays, options)?.tables()?);
     let pieces = Pieces::new(&tables, options.window)?;
@@ -416,6 +417,7 @@ pub fn partition<'py>(
     fields.set_item("offsets", column(py, pieces.offsets))?;
     fields.set_item("medium_names", engine.medium_names(py)?)?;
     fields.set_item("region_names", engine.region_names(py)?)?;
+    fields.set_item("by", by)?;
     static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
     CLASS.import(py, "rayweave._answers", "Partition")?.call((), Some(&fields))
 }

@@ -485,7 +485,7 @@ impl PyModel {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (engine, options) =
             (self.engine_by(origins.py(), by)?, QueryOptions::new(t_min, t_max, evaluator, threads, device)?);
-        crossings::partition(engine, [origins, directions], &options)
+        crossings::partition(engine, [origins, directions], &options, by)
     }
 
     /// Whether points (N, 3) or (3,) are in a medium other than that of the world: bool (N,), or (...) for a grid (..., 3).

@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -300,6 +301,10 @@ def test_queries_by_region_separate_regions_of_one_medium():
     pieces = model.partition(*ray, t_min=0, t_max=5, by="region")
     assert pieces.path_lengths("region").tolist() == [[2, 1, 1.5, 0.5]]
     assert pieces.path_lengths().tolist() == [[2.5, 2.5]]
+    merged = model.partition(*ray, t_min=0, t_max=5)
+    assert (pieces.by, merged.by) == ("region", "medium") and merged.path_lengths().tolist() == [[2.5, 2.5]]
+    with pytest.raises(rw.RayweaveError, match=r"share a piece. Call partition\(..., by='region'\)"):
+        merged.path_lengths("region")
     with pytest.raises(rw.RayweaveError, match="by is 'solid': it must be 'medium' or 'region'."):
         model.crossings(*ray, by="solid")
     with pytest.raises(rw.RayweaveError, match="by is 'solid': it must be 'medium' or 'region'."):
@@ -339,3 +344,12 @@ def test_parameters_are_finite():
     for value in (float("nan"), float("inf")):
         with pytest.raises(ValueError, match=r"parameters\['R'\] is (NaN|inf): it must be finite"):
             rw.loads("rayweave = 1\n[parameters]\nR = 1\n[solid.s]\nsphere = { radius = 'R' }\n", {"R": value})
+
+
+def test_misspelt_numbers_of_media_warn():
+    with pytest.warns(UserWarning, match="the key 'densty' of the medium 'steel' is not used. Did you mean 'density'?") as warned:
+        rw.Model({"a": rw.sphere(1)}, media={"steel": {"densty": 7.85}})
+    assert warned[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rw.Model({"a": rw.sphere(1)}, media={"steel": {"density": 7.85, "hardness": 3}})

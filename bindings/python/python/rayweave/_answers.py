@@ -186,6 +186,8 @@ class Partition(Table):
     """The names of the media."""
     region_names: tuple[str, ...]
     """The names of the regions, beginning with the world."""
+    by: Literal["medium", "region"]
+    """Whether each piece is in one medium or in one region."""
 
     def __len__(self) -> int:
         """The number of pieces, S."""
@@ -194,8 +196,8 @@ class Partition(Table):
     def path_lengths(self, by: Literal["medium", "region"] = "medium") -> NDArray[np.float64]:
         """The total length of each ray in each medium, in units of the ray's direction: float64 (N, M), in the order of
         `medium_names`; inf in an unbounded one, usually the world, which is column 0. With directions `end - origin` and t
-        from 0 to 1, multiply the rows by the lengths of the directions. With `by="region"`, for a partition by region, the
-        columns are those of `region_names`.
+        from 0 to 1, multiply the rows by the lengths of the directions. With `by="region"` the columns are those of
+        `region_names`; this needs a partition by region.
 
         >>> import rayweave as rw
         >>> pieces = rw.Model({"shell": rw.sphere(2), "core": rw.sphere(1)}).partition([-3, 0, 0], [1, 0, 0], 0, 6)
@@ -205,6 +207,11 @@ class Partition(Table):
         columns = {"medium": (self.medium, self.medium_names), "region": (self.region, self.region_names)}
         if by not in columns:
             raise RayweaveError(f"by is {by!r}: it must be 'medium' or 'region'.")
+        if by == "region" and self.by == "medium":
+            raise RayweaveError(
+                "this partition has no lengths by region: regions of one medium that touch or overlap share a piece. Call "
+                "partition(..., by='region')."
+            )
         number, names = columns[by]
         rays, width = len(self.offsets) - 1, len(names)
         sums = np.bincount(self.ray * width + number, self.t_end - self.t_start, rays * width)

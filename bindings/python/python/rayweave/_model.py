@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -174,6 +175,10 @@ def _media(media: Media | None) -> list[_MediumRow]:
     return list(rows.values())
 
 
+# numbers that measurements, radiographs and GDML use
+_KNOWN_NUMBERS = ("attenuation", "density", "temperature", "pressure")
+
+
 def _check_medium(medium: Medium) -> None:
     if medium.index is not None and not (_is_number(medium.index, "the index", medium) and medium.index > 0):
         raise _core.RayweaveError(
@@ -185,6 +190,11 @@ def _check_medium(medium: Medium) -> None:
         if name in ("attenuation", "density") and value < 0:
             reason = f"it must be finite and at least 0. Did you mean {-value}?"
             raise _core.RayweaveError(f"the {name} of the medium '{medium.name}' is {value}: {reason}")
+        near = () if name in _KNOWN_NUMBERS else get_close_matches(name, _KNOWN_NUMBERS, 1, 0.8)
+        if near:
+            text = f"the key '{name}' of the medium '{medium.name}' is not used. Did you mean '{near[0]}'?"
+            # the caller of `Model`
+            warnings.warn(text, stacklevel=4)
 
 
 def _is_number(value: Any, name: str, medium: Medium) -> bool:

@@ -82,13 +82,13 @@ pub struct Finding {
     pub regions: Vec<String>,
     /// A description of the finding.
     pub text: String,
-    /// The depth of an overlap along a ray, or the thickness of a wall or gap, in the unit of the model.
+    /// The depth of an overlap, or the thickness of a wall or gap, in the unit of the model.
     ///
     /// The thickness belongs to [`Finding::ray`] and is exact to rounding errors of the coordinates: the length of that chord where
     /// it is perpendicular to both faces, otherwise the diameter of the larger of the two balls inside that touch the face at one of
     /// its ends and pass through the other. It is the least that was found, hence an upper bound of the smallest thickness of the
-    /// region: a thinner wall between the rays is missed ([`CheckSettings::across`](super::CheckSettings::across)). Likewise
-    /// the depth of an overlap is a lower bound of its largest depth.
+    /// region: a thinner wall between the rays is missed ([`CheckSettings::across`](super::CheckSettings::across)). The
+    /// depth of an overlap is the shortest of several chords through the middle of its thickest place that was found.
     pub size: Option<f64>,
     /// The volume of the overlap, or of the part outside.
     pub volume: Option<Estimate>,
