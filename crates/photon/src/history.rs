@@ -10,6 +10,7 @@ use crate::source::Source;
 use crate::volume::VolumePaths;
 use rayweave_math::Vec3;
 use rayweave_model::Crossing;
+use rayweave_shape::Ray;
 use std::collections::{BTreeMap, HashMap};
 
 /// The process at the end of a step of a photon.
@@ -399,8 +400,15 @@ impl Recorder for HistoryRecorder<'_> {
 
     fn begin(&mut self, detector: &Detector, flight: &Flight, region: u32, crossing: Option<&Crossing>) {
         if self.options.steps {
-            let face = crossing.map(|crossing| crossing.left);
-            self.volume = self.histories.volumes.number(detector, region, face);
+            let volumes = &mut self.histories.volumes;
+            self.volume = match crossing {
+                None => volumes.number(detector, region, None),
+                Some(crossing) => {
+                    let ray = flight.photon.ray();
+                    let back = Ray::new(ray.at(crossing.t), -ray.direction);
+                    volumes.number_entered(detector, region, crossing.left, &back)
+                }
+            };
         }
         if flight.steps == 0 {
             self.row(flight, self.emission(flight.origin), None);
@@ -417,7 +425,8 @@ impl Recorder for HistoryRecorder<'_> {
 
     fn enter_sensor(&mut self, detector: &Detector, flight: &Flight, crossing: &Crossing) {
         if self.options.steps {
-            self.volume = self.histories.volumes.number(detector, crossing.after.0, Some(crossing.entered));
+            let (volumes, ray) = (&mut self.histories.volumes, flight.photon.ray());
+            self.volume = volumes.number_entered(detector, crossing.after.0, crossing.entered, &ray);
         }
         self.row(flight, Process::End(End::Detected), None);
     }

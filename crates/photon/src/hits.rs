@@ -88,7 +88,7 @@ impl Hits {
         self.time.push(photon.time);
         self.wavelength_nm.push(wavelength_nm(photon.energy));
         self.steps.push(i64::from(steps));
-        self.sensor.push(known.number(detector, region, Some(face)));
+        self.sensor.push(known.number_entered(detector, region, face, &photon.ray()));
     }
 
     /// Sorts by the number of the photon, then by steps; equal ones keep their order. `known` are the paths of the sensors.

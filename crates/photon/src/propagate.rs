@@ -621,6 +621,10 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     fn boundary(&mut self, i: usize, crossing: &Crossing, (index, bare): (f64, Option<u32>)) {
         let detector = self.detector;
         let ray = self.flights[self.chunk.start + i].photon.ray();
+        let crossing = &match detector.depends_on_copies(crossing) {
+            true => detector.with_own_faces(&ray, crossing),
+            false => *crossing,
+        };
         let normal = against(self.found.normal(i), ray.direction);
         let departed = bare.and_then(|number| self.bare.get(number));
         let (event, direction, polarisation, is_behind) = match departed {

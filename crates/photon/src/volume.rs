@@ -3,6 +3,7 @@
 use crate::detector::{Detector, NO_COPY};
 use rayweave_model::Face;
 use rayweave_scene::bare_name;
+use rayweave_shape::Ray;
 use std::collections::HashMap;
 
 /// The path of a volume and its copy number: that of the innermost placement with a number, or -1 without one. `face` is a face of the volume,
@@ -55,7 +56,7 @@ impl VolumePaths {
         &self.copies
     }
 
-    /// The number of the path of a volume ([`volume_path`]).
+    /// The number of the path of a volume ([`volume_path`]), of which `face` is a face.
     pub fn number(&mut self, detector: &Detector, region: u32, face: Option<Face>) -> u32 {
         let key = (region, face.map(|face| [face.placement.0, face.leaf.0]));
         if let Some(&number) = self.known.get(&key) {
@@ -65,6 +66,26 @@ impl VolumePaths {
         let number = self.insert(&path, copy);
         self.known.insert(key, number);
         number
+    }
+
+    /// The number of the path of a volume that a ray enters at its origin; `face` is one of a crossing there, which may belong to
+    /// another volume.
+    pub fn number_entered(&mut self, detector: &Detector, region: u32, face: Face, ray: &Ray) -> u32 {
+        let key = (region, Some([face.placement.0, face.leaf.0]));
+        if let Some(&number) = self.known.get(&key) {
+            return number;
+        }
+        if detector.is_of(region, face) {
+            return self.number(detector, region, Some(face));
+        }
+        // not the same for the next ray at this face
+        match detector.own_face(region, ray) {
+            Some(own) => self.number(detector, region, Some(own)),
+            None => {
+                let (path, copy) = volume_path(detector, region, Some(face));
+                self.insert(&path, copy)
+            }
+        }
     }
 
     /// Adds the paths of another list; returns the number of each of them.

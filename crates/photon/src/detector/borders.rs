@@ -169,6 +169,15 @@ impl SurfaceTable {
         self.skin(before, after)
     }
 
+    /// True if the surface at a crossing depends on the copies of the volumes.
+    pub fn depends_on_copies(&self, crossing: &Crossing) -> bool {
+        let (before, after) = (crossing.before, crossing.after);
+        match self.table.get(before.index() * self.regions + after.index()) {
+            Some(pair) => matches!(pair, Pair::Placed),
+            None => self.borders.contains_key(&(before.0, after.0)),
+        }
+    }
+
     /// True if light from one region to another certainly meets no surface.
     pub fn is_bare(&self, [before, after]: [u32; 2]) -> bool {
         let place = before as usize * self.regions + after as usize;

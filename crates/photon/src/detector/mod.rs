@@ -4,6 +4,7 @@ mod borders;
 mod copies;
 pub(crate) mod gdml;
 mod native;
+mod own_face;
 pub(crate) mod properties;
 mod sensors;
 mod surfaces;
@@ -20,7 +21,7 @@ use copies::divide_touching_copies;
 use gdml::Volumes;
 use properties::PropertyReader;
 use rayweave_error::Message;
-use rayweave_model::{Crossing, Face, LeafFacet, PlacementId, Program, Region, RegionId};
+use rayweave_model::{Crossing, Face, LeafFacet, Occurrence, PlacementId, Program, Region, RegionId};
 use rayweave_optics::start_surfaces::StartSurfaces;
 use rayweave_scene::{Datum, Document, Scene, Source};
 use std::borrow::Cow;
@@ -59,6 +60,8 @@ pub struct Detector {
     detecting: HashSet<u32>,
     /// The paths and copy numbers of the sensors, made when they are needed.
     sensor_paths: OnceLock<Vec<(String, i64)>>,
+    /// The shapes of the volume of each region, found when they are needed.
+    own_shapes: Vec<OnceLock<Vec<Occurrence>>>,
     notes: Vec<String>,
     warnings: Vec<String>,
 }
@@ -111,6 +114,7 @@ impl Detector {
             region_names,
             detecting,
             sensor_paths: OnceLock::new(),
+            own_shapes: vec![OnceLock::new(); scene.regions.len() + 1],
             notes,
             warnings,
         })
@@ -187,7 +191,13 @@ impl Detector {
         material.index.as_ref().map(|_| material.name.clone())
     }
 
-    /// The optical surface at a crossing, if there is one.
+    /// True if the optical surface between the regions in front of a crossing and behind it depends on their copies.
+    pub(crate) fn depends_on_copies(&self, crossing: &Crossing) -> bool {
+        self.boundaries.depends_on_copies(crossing)
+    }
+
+    /// The optical surface at a crossing, if there is one. If it [depends on copies](Detector::depends_on_copies), the crossing must have
+    /// [own faces](Detector::with_own_faces).
     pub(crate) fn surface(&self, crossing: &Crossing) -> Option<&OpticalSurface> {
         self.boundaries.find(&self.program, crossing).map(|number| &self.surfaces[number])
     }

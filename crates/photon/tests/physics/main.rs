@@ -5,6 +5,7 @@ mod bulk;
 mod cavities;
 mod closed_volumes;
 mod detector;
+mod flush;
 mod gensteps;
 mod history;
 mod lint;
