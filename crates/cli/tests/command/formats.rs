@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 
-const DUMP: &str = "difference() {\n\tcube(size = [4, 4, 4], center = true);\n\tsphere($fn = 8, $fa = 12, $fs = 2, r = 1);\n}\n";
+const DUMP: &str = "difference() {\n\tcube(size = [4, 4, 4], center = true);\n\tsphere($fn = 12, $fa = 12, $fs = 2, r = 1);\n}\n";
 
 #[test]
 fn openscad_by_ending_and_by_option() {

@@ -25,6 +25,9 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 use rayweave_scene::{Colour, Diagnostic, Diagnostics, Medium, Scene, SceneRegion, Severity, Unit};
 
+/// With fewer sides, people mean a polygon (a nut, a pyramid); with more, a coarse circle.
+const FEWEST_SIDES_OF_ROUND: f64 = 9.0;
+
 impl<'a> Reader<'a> {
     /// The scene of all items, with one region per colour.
     ///
@@ -90,10 +93,28 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// The warning about a prism or another solid with few sides that is read as round: a nut, say, whose author wrote `$fn = 6`.
+    fn rounded(&self, number: usize, node: &Node) -> Option<Diagnostic> {
+        let is_round = matches!(node.name.as_str(), "sphere" | "cylinder" | "circle" | "rotate_extrude");
+        let arguments = self.arguments(number);
+        let count = arguments.number("$fn", 0.0).ok()?;
+        let is_coarse = (1.0..FEWEST_SIDES_OF_ROUND).contains(&count);
+        let why = || {
+            let sides = count.max(3.0).floor();
+            let advice = "--facets keeps the sides of all shapes, in Python facets=True";
+            arguments
+                .approximation(&format!("has {sides} sides in OpenSCAD ($fn) and is read as round; {advice}"))
+        };
+        (is_round && is_coarse && !self.options.facets).then(why)
+    }
+
     fn part(&mut self, number: usize) -> Part {
         let node = &self.tree.nodes[number];
         for warning in self.arguments(number).unused() {
             self.report.add(LossKind::Dropped, &item(node), warning);
+        }
+        if let Some(warning) = self.rounded(number, node) {
+            self.report.add(LossKind::Approximated, &item(node), warning);
         }
         let part = self.read(number, node);
         if self.flats.has_chords.take() {

@@ -14,7 +14,7 @@ fn moved(x: f64, y: f64, z: f64) -> String {
 fn prisms() {
     let over = |flat: &str| format!("linear_extrude(height = 5) {{ {flat} }}");
     check_volume(&over("square(size = [2, 3], center = true);"), false, 30.0, NEAR);
-    check_volume(&over("circle($fn = 7, r = 2);"), false, 20.0 * PI, NEAR);
+    check_volume(&over("circle($fn = 9, r = 2);"), false, 20.0 * PI, NEAR);
     check_volume(&over("circle($fn = 8, r = 2);"), true, 5.0 * 8.0 * 2f64.sqrt(), NEAR);
     // a plate with a hole, with paths of both orientations, and a path inside the hole
     let points = "points = [[0, 0], [6, 0], [6, 6], [0, 6], [1, 1], [5, 1], [5, 5], [1, 5], [2, 2], [2, 3], [3, 3], [3, 2]]";

@@ -8,12 +8,29 @@ use std::f64::consts::PI;
 /// Relative tolerance of volumes measured with rays.
 const NEAR: f64 = 1e-3;
 
+/// A nut must not become round without a word.
+#[test]
+fn few_sides_read_as_round_are_reported() {
+    for (shape, sides) in [
+        ("cylinder($fn = 6, h = 10, r1 = 5, r2 = 5);", "cylinder() has 6 sides"),
+        ("sphere($fn = 8, r = 1);", "sphere() has 8 sides"),
+        ("linear_extrude(height = 2) circle($fn = 2, r = 1);", "circle() has 3 sides"),
+    ] {
+        let (count, messages) = losses(shape, LossKind::Approximated);
+        assert!(count == 1 && messages.contains(sides) && messages.contains("--facets"), "{messages}");
+        assert!(read(shape, true).report.is_empty(), "{shape}");
+    }
+    for round in ["sphere($fn = 0, $fa = 12, $fs = 2, r = 1);", "cylinder($fn = 9, h = 1, r1 = 1, r2 = 1);"] {
+        assert_eq!(losses(round, LossKind::Approximated).0, 0, "{round}");
+    }
+}
+
 #[test]
 fn primitives_are_round_or_faceted() {
     check_volume("cube(size = [2, 3, 4], center = true);", false, 24.0, NEAR);
     check_volume("cube(size = 2);", false, 8.0, NEAR);
     check_volume("sphere($fn = 0, $fa = 12, $fs = 2, r = 10);", false, 4000.0 * PI / 3.0, NEAR);
-    check_volume("cylinder($fn = 6, h = 10, r1 = 5, r2 = 5);", false, 250.0 * PI, NEAR);
+    check_volume("cylinder($fn = 9, h = 10, r1 = 5, r2 = 5);", false, 250.0 * PI, NEAR);
     check_volume(
         "cylinder($fn = 0, $fa = 12, $fs = 2, h = 9, r1 = 5, r2 = 0, center = true);",
         false,
