@@ -63,7 +63,7 @@ pub use material::{
 pub use photon::Photon;
 pub use propagate::{PhotonPart, PhotonRun, simulate, simulate_parts};
 pub use sample::LinearDensity;
-pub use settings::RunSettings;
+pub use settings::{RunSettings, TimeProfile};
 pub use source::{Directions, Origin, Pulse, Source, SourceVolume, Torch, WavelengthDistribution};
 pub use start::{check_start, emit};
 pub use step_table::{history_schema, step_schema};

@@ -14,7 +14,7 @@ use crate::material::{Bulk, MaterialValues, OpticalMaterial, ValueTable};
 use crate::philox::{Purpose, Stream};
 use crate::photon::{EventKey, Photon};
 use crate::scatter;
-use crate::settings::RunSettings;
+use crate::settings::{RunSettings, TimeProfile};
 use crate::source::Source;
 use crate::volume::VolumePaths;
 use rayweave_math::Vec3;
@@ -587,7 +587,11 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             };
             let direction = stream.direction();
             let polarisation = stream.polarisation(direction);
-            let time = absorbed.photon.time + shifter.time;
+            let delay = match self.settings.wls_time_profile {
+                TimeProfile::Delta => shifter.time,
+                TimeProfile::Exponential => shifter.time * stream.exponential(),
+            };
+            let time = absorbed.photon.time + delay;
             let photon = Photon { position: absorbed.photon.position, direction, polarisation, energy, time };
             // further photons have random numbers of their own
             let number = if emitted == 0 { absorbed.number } else { secondary(absorbed, emitted) };

@@ -5,6 +5,16 @@ use rayweave_model::drive::Cancel;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
+/// The distribution of the time between absorption by a wavelength shifter and emission, as Geant4's parameter `WLSTimeProfile`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TimeProfile {
+    /// Always the time constant: Geant4's default.
+    #[default]
+    Delta,
+    /// Exponential, with the time constant as its mean.
+    Exponential,
+}
+
 /// Settings of a run.
 #[derive(Clone, Debug)]
 pub struct RunSettings {
@@ -20,6 +30,8 @@ pub struct RunSettings {
     pub max_steps: u32,
     /// The maximum time in ns.
     pub max_time: f64,
+    /// The times of wavelength shifters.
+    pub wls_time_profile: TimeProfile,
     /// The number of threads; by default that of [`thread_count`](rayweave_model::drive::thread_count).
     pub threads: Option<NonZeroUsize>,
     /// Stops the run.
@@ -37,6 +49,7 @@ impl RunSettings {
             detection: DetectionRule::default(),
             max_steps: 10_000,
             max_time: f64::INFINITY,
+            wls_time_profile: TimeProfile::default(),
             threads: None,
             cancel: Cancel::new(),
         }

@@ -14,7 +14,7 @@ use rayweave::model::drive::Cancel;
 use rayweave::photon::property::PropertyTable;
 use rayweave::photon::{
     DetectionRule, Detector, Histories, HistoryOptions, LintFinding, OpticalMaterial, OpticalSurface,
-    PhotonPart, PhotonRun, RunSettings, SurfaceTables, check_start, lint, simulate_parts,
+    PhotonPart, PhotonRun, RunSettings, SurfaceTables, TimeProfile, check_start, lint, simulate_parts,
 };
 
 use crate::error::{bad_value, require_file};
@@ -86,6 +86,7 @@ pub struct PhotonSettings {
     detect: String,
     max_steps: u32,
     max_time: f64,
+    wls_time_profile: String,
     threads: Option<NonZeroUsize>,
     event: u32,
     record: Option<(bool, bool)>,
@@ -102,10 +103,19 @@ impl PhotonSettings {
                 return Err(bad_value(format!("detect is {other:?}: {known}.")));
             }
         };
+        let wls_time_profile = match self.wls_time_profile.as_str() {
+            "delta" => TimeProfile::Delta,
+            "exponential" => TimeProfile::Exponential,
+            other => {
+                let known = "it must be delta or exponential";
+                return Err(bad_value(format!("wls_time_profile is {other:?}: {known}.")));
+            }
+        };
         Ok(RunSettings {
             seed: self.seed,
             event: self.event,
             detection,
+            wls_time_profile,
             max_steps: self.max_steps,
             max_time: self.max_time,
             threads: self.threads,

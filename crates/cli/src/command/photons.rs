@@ -14,8 +14,8 @@ use rayweave::Packets;
 use rayweave::detector::{Histogram, HitPositions, MapPlane, histograms_svg, hit_maps_svg};
 use rayweave::layout::{LayoutPlane, OpticalLayout};
 use rayweave::photon::{
-    DetectionRule, Detector, Histories, HistoryOptions, Hits, PhotonError, RunSettings, Source, check_start,
-    history_schema, hit_schema, lint, simulate_parts, step_schema,
+    DetectionRule, Detector, Histories, HistoryOptions, Hits, PhotonError, RunSettings, Source, TimeProfile,
+    check_start, history_schema, hit_schema, lint, simulate_parts, step_schema,
 };
 use rayweave::scene::{Document, Scene};
 use rayweave::table::{ContentHash, Part, TableError, TableWriter};
@@ -85,6 +85,10 @@ pub struct Simulation {
     /// Maximum time of a photon, in ns
     #[arg(long, value_name = "NS", default_value_t = f64::INFINITY)]
     max_time: f64,
+
+    /// Times of wavelength shifters: always the time constant (Geant4's default), or exponential with the time constant as the mean
+    #[arg(long, value_name = "PROFILE", default_value = "delta")]
+    wls_time_profile: Profile,
 
     /// Table of hits: .csv, .npy (with a table of names) or .parquet (if built in); - writes CSV to standard output. It is written
     /// during the run: memory does not grow with the number of photons, unless hits are drawn
@@ -156,6 +160,22 @@ impl Rule {
             Rule::Efficiency => (DetectionRule::Efficiency, "efficiency"),
             Rule::Volume => (DetectionRule::Volume, "volume"),
             Rule::Both => (DetectionRule::Both, "both"),
+        }
+    }
+}
+
+/// Names of [`TimeProfile`].
+#[derive(Clone, Copy, ValueEnum)]
+enum Profile {
+    Delta,
+    Exponential,
+}
+
+impl Profile {
+    fn profile(self) -> (TimeProfile, &'static str) {
+        match self {
+            Profile::Delta => (TimeProfile::Delta, "delta"),
+            Profile::Exponential => (TimeProfile::Exponential, "exponential"),
         }
     }
 }
@@ -243,6 +263,7 @@ impl Simulation {
             detection: self.detect.rule().0,
             max_steps: self.max_steps,
             max_time: self.max_time,
+            wls_time_profile: self.wls_time_profile.profile().0,
             threads: global.threads,
             cancel: interrupt::token(),
             ..RunSettings::new(range)
@@ -307,6 +328,7 @@ impl Simulation {
                 ("detect", self.detect.rule().1.to_owned()),
                 ("max_steps", settings.max_steps.to_string()),
                 ("max_time", settings.max_time.to_string()),
+                ("wls_time_profile", self.wls_time_profile.profile().1.to_owned()),
             ];
             self.part.part(&format!("photons {name}"), settings, total)
         };

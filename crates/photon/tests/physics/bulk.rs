@@ -4,7 +4,7 @@ use crate::history::record;
 use crate::{CLEAR, SlabDetector, assert_binomial, assert_distribution, beam, count, run, settings, uniform};
 use rayweave_math::Vec3;
 use rayweave_photon::property::LIGHT_SPEED;
-use rayweave_photon::{End, Process, RunSettings, StepRow};
+use rayweave_photon::{End, Process, RunSettings, StepRow, TimeProfile};
 use std::f64::consts::PI;
 
 const COUNT: usize = 20_000;
@@ -97,11 +97,15 @@ fn property_energy(wavelength_nm: f64) -> f64 {
 
 /// The first process of each photon that starts at the lower face of a slab, along z with the polarisation along x.
 fn first_rows(slab: &SlabDetector<'_>) -> Vec<StepRow> {
+    first_rows_with(slab, TimeProfile::Delta)
+}
+
+fn first_rows_with(slab: &SlabDetector<'_>, wls_time_profile: TimeProfile) -> Vec<StepRow> {
     let mut light = beam(COUNT, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
     if let rayweave_photon::Source::Photons(photons) = &mut light {
         photons.iter_mut().for_each(|photon| photon.position.z = 1e-9);
     }
-    let settings = RunSettings { max_steps: 1, ..settings(COUNT) };
+    let settings = RunSettings { max_steps: 1, wls_time_profile, ..settings(COUNT) };
     let (_, histories) = record(&slab.build(), &light, &settings);
     let is_first = |row: &&StepRow| row.step == 1 && !matches!(row.process, Process::End(End::StepLimit));
     histories.steps.iter().filter(is_first).copied().collect()
@@ -203,6 +207,10 @@ fn shifters_emit_by_their_properties() {
         one.iter()
             .all(|row| (row.time - 2.5).abs() < 1e-6 && row.polarisation.dot(row.direction).abs() < 1e-12)
     );
+    let exponential = first_rows_with(&SlabDetector { matrices, inner, ..CLEAR }, TimeProfile::Exponential);
+    assert_eq!(exponential.len(), COUNT);
+    let times = exponential.iter().map(|row| row.time).collect();
+    assert_distribution(times, |t| 1.0 - (-t / 2.5).exp(), "delay");
     let inner = format!(r#"{inner}<property name="WLSMEANNUMBERPHOTONS" ref="MEAN"/>"#);
     let several = first_rows(&SlabDetector { matrices, inner: &inner, ..CLEAR });
     let mut counts = vec![0u64; COUNT];

@@ -250,7 +250,7 @@ class Detector:
         """A sentence about the photons of a source that start outside the world or in a material without RINDEX, where they end at
         once; None without such photons. The first 1,000 photons are looked at, and it is an error if all of them do."""
         count = 1000 if source.count is None else min(source.count, 1000)
-        settings = _settings(seed, event, "both", 1, np.inf, None, None)
+        settings = _settings(seed, event, "both", 1, np.inf, "delta", None, None)
         return self.compiled.check_start(source.compiled, settings | {"range": (0, count)})
 
     def material(self, name: str) -> Material:
@@ -271,6 +271,7 @@ class Detector:
         detect: Literal["both", "efficiency", "volume"] = "both",
         max_steps: int = 10_000,
         max_time: float = np.inf,
+        wls_time_profile: Literal["delta", "exponential"] = "delta",
         record: Record | None = None,
         event: int = 0,
         threads: int | None = None,
@@ -299,6 +300,8 @@ class Detector:
             The maximum number of steps of a photon.
         max_time
             The maximum time of a photon in ns.
+        wls_time_profile
+            The times of wavelength shifters: always WLSTIMECONSTANT (Geant4's default), or exponential with it as the mean.
         record
             The histories to record: "counts" of processes and surfaces; "sequences" of Opticks' flags, with counts; or all
             "steps", with both.
@@ -319,7 +322,7 @@ class Detector:
         >>> run.hits.save("hits.parquet")  # doctest: +SKIP
         """
         first, last = self._numbers(source, n, range)
-        settings = _settings(seed, event, detect, max_steps, max_time, record, threads)
+        settings = _settings(seed, event, detect, max_steps, max_time, wls_time_profile, record, threads)
         self.check_source(source, seed=seed, event=event)
         return self._run(source, (first, last), settings, progress)
 
@@ -334,6 +337,7 @@ class Detector:
         detect: Literal["both", "efficiency", "volume"] = "both",
         max_steps: int = 10_000,
         max_time: float = np.inf,
+        wls_time_profile: Literal["delta", "exponential"] = "delta",
         record: Record | None = None,
         event: int = 0,
         threads: int | None = None,
@@ -349,7 +353,7 @@ class Detector:
         """
         first, last = self._numbers(source, n, range)
         size = whole(chunk, "chunk", least=1)
-        settings = _settings(seed, event, detect, max_steps, max_time, record, threads)
+        settings = _settings(seed, event, detect, max_steps, max_time, wls_time_profile, record, threads)
         self.check_source(source, seed=seed, event=event)
         return self._stream(source, (first, last), size, settings, progress)
 
@@ -465,7 +469,14 @@ def _plot(title: str, properties: Iterable[Property]) -> Drawing:
 
 
 def _settings(
-    seed: int, event: int, detect: str, max_steps: int, max_time: float, record: Record | None, threads: int | None
+    seed: int,
+    event: int,
+    detect: str,
+    max_steps: int,
+    max_time: float,
+    wls_time_profile: str,
+    record: Record | None,
+    threads: int | None,
 ) -> dict[str, Any]:
     if record is not None and record not in _RECORDS:
         unknown("record", record, _RECORDS)
@@ -475,6 +486,7 @@ def _settings(
         "detect": detect,
         "max_steps": whole(max_steps, "max_steps", bits=32),
         "max_time": real(max_time, "max_time"),
+        "wls_time_profile": wls_time_profile,
         "threads": None if threads is None else whole(threads, "threads", least=1),
         "record": None if record is None else _RECORDS[record],
     }
