@@ -286,13 +286,21 @@ def simulate(options, tracks, hits):
 
     def volume_path(touchable):
         """The path of a volume in the form of Rayweave: names of volumes, with the copy numbers of the file."""
-        names = []
-        for depth in range(touchable.GetHistoryDepth()):
-            volume = touchable.GetVolume(depth)
-            name = bare(volume.GetLogicalVolume().GetName())
-            copy = touchable.GetReplicaNumber(depth)
-            names.append(f"{name}[{copy}]" if copy != 0 or bare(volume.GetName()) in numbered else name)
-        return "/".join(reversed(names)) or bare(touchable.GetVolume(0).GetLogicalVolume().GetName())
+        depth = touchable.GetHistoryDepth()
+        if depth == 0:
+            return segment(touchable.GetVolume(0), 0)
+        return "/".join([segment(touchable.GetVolume(d), touchable.GetReplicaNumber(d)) for d in reversed(range(depth))])
+
+    # The segments of paths by volume and copy number. The bindings return the same objects for as long as these are kept.
+    segments = {}
+
+    def segment(volume, copy):
+        known = segments.get((volume, copy))
+        if known is None:
+            known = bare(volume.GetLogicalVolume().GetName())
+            known = f"{known}[{copy}]" if copy != 0 or bare(volume.GetName()) in numbered else known
+            segments[volume, copy] = known
+        return known
 
     class Run:
         """The tracks of the event."""
@@ -326,13 +334,15 @@ def simulate(options, tracks, hits):
                 # a wavelength shifter that emitted nothing
                 if rows[-1] == "shift":
                     rows[-1] = "shifter_absorbed"
-                path, (x, y, z), moment, length, direction, polarisation, sensor = track.end
+                path, (x, y, z), moment, length, hit = track.end
                 steps = len(rows) - 1
                 tracks.writerow([track.photon, track.track, steps, " ".join(rows), path, x, y, z, moment, length])
                 self.tracks_written += 1
                 if rows[-1] == "detected":
-                    hits.writerow([0, track.photon, x, y, z, moment, *direction, *polarisation, length, steps, sensor])
                     self.hits_written += 1
+                    if hit is not None:
+                        vectors, sensor = hit
+                        hits.writerow([0, track.photon, x, y, z, moment, *vectors, length, steps, sensor])
 
     class Steps(g4.G4UserSteppingAction):
         def UserSteppingAction(self, step):
@@ -424,20 +434,16 @@ def simulate(options, tracks, hits):
 
         def PostUserTrackingAction(self, track):
             step = track.GetStep()
-            point = step.GetPostStepPoint() if run.into_sensor else step.GetPreStepPoint()
-            inside = step.GetPostStepPoint().GetTouchable()
-            at, before, across = track.GetPosition(), step.GetPreStepPoint().GetMomentumDirection(), step.GetPreStepPoint().GetPolarization()
+            before, after = step.GetPreStepPoint(), step.GetPostStepPoint()
+            at = after.GetPosition()
             length = g4.h_Planck * g4.c_light / track.GetVertexKineticEnergy() / g4.nm
-            sensor = volume_path(inside) if inside.GetVolume() is not None else ""
-            run.current.end = (
-                volume_path(point.GetTouchable()),
-                (at.x, at.y, at.z),
-                track.GetGlobalTime(),
-                length,
-                (before.x, before.y, before.z),
-                (across.x, across.y, across.z),
-                sensor,
-            )
+            path = volume_path((after if run.into_sensor else before).GetTouchable())
+            hit = None
+            if options.hits is not None:
+                direction, across, inside = before.GetMomentumDirection(), before.GetPolarization(), after.GetTouchable()
+                sensor = volume_path(inside) if inside.GetVolume() is not None else ""
+                hit = (direction.x, direction.y, direction.z, across.x, across.y, across.z), sensor
+            run.current.end = path, (at.x, at.y, at.z), after.GetGlobalTime(), length, hit
 
     class Actions(g4.G4VUserActionInitialization):
         def Build(self):
