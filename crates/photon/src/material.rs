@@ -235,3 +235,28 @@ impl OpticalMaterial {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::property::HC_MEV_NM;
+
+    /// Light of 400 nm in water of index 1.34 at 283.15 K: 163.534310 m, computed in SI units with Boltzmann's constant in J/K. The
+    /// length goes with the fourth power of the wavelength, and inversely with temperature and factor.
+    #[test]
+    fn the_rayleigh_length_is_that_of_density_fluctuations() {
+        let energy = HC_MEV_NM / 400.0;
+        let index = PropertyTable::new(vec![(energy, 1.34), (2.0 * energy, 1.34)]).unwrap();
+        let water =
+            Compressibility { value: WATER_COMPRESSIBILITY, temperature: WATER_TEMPERATURE, scale: 1.0 };
+        let length = |constants: Compressibility| rayleigh_length(&index, constants).values().to_vec();
+        let is_near = |own: &[f64], expected: f64| (own[0] / expected - 1.0).abs() < 1e-7;
+        let own = length(water);
+        assert!(is_near(&own, 163_534.309_9), "{own:?}");
+        assert!((own[0] / own[1] - 16.0).abs() < 1e-12, "{own:?}");
+        let warm = length(Compressibility { temperature: 2.0 * WATER_TEMPERATURE, ..water });
+        assert!(is_near(&warm, 0.5 * 163_534.309_9), "{warm:?}");
+        let scaled = length(Compressibility { scale: 4.0, ..water });
+        assert!(is_near(&scaled, 0.25 * 163_534.309_9), "{scaled:?}");
+    }
+}
