@@ -241,6 +241,27 @@ mod tests {
     use super::*;
     use crate::property::HC_MEV_NM;
 
+    /// The values at an energy are linear between the points of their tables, and constant beyond them.
+    #[test]
+    fn values_at_an_energy_are_those_of_the_tables() {
+        let table = |points: &[(f64, f64)]| PropertyTable::new(points.to_vec()).unwrap();
+        let material = OpticalMaterial {
+            group_velocity: Some(table(&[(2e-6, 200.0), (4e-6, 180.0)])),
+            absorption_length: Some(table(&[(1e-6, 100.0), (3e-6, 300.0)])),
+            ..OpticalMaterial::transparent("Glass", table(&[(2e-6, 1.3), (4e-6, 1.5)]))
+        };
+        let tables = ValueTable::new(&material);
+        let mut values = MaterialValues::new(&tables);
+        for (energy, index, velocity, length) in
+            [(1.5e-6, 1.3, 200.0, 150.0), (2.5e-6, 1.35, 195.0, 250.0), (3.5e-6, 1.45, 185.0, 300.0)]
+        {
+            values.set(&tables, energy);
+            let own = [values.index.unwrap(), values.velocity, values.paths()[0].0];
+            let is_near = |(own, expected): (f64, f64)| (own / expected - 1.0).abs() < 1e-12;
+            assert!(own.into_iter().zip([index, velocity, length]).all(is_near), "{energy}: {own:?}");
+        }
+    }
+
     /// Light of 400 nm in water of index 1.34 at 283.15 K: 163.534310 m, computed in SI units with Boltzmann's constant in J/K. The
     /// length goes with the fourth power of the wavelength, and inversely with temperature and factor.
     #[test]
