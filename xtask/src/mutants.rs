@@ -238,6 +238,16 @@ mod tests {
         assert!(message.contains("`double`: `f(x + 1);` occurs 2 times in a.rs"), "{message}");
     }
 
+    /// The mutants run in the long mode only; this test reports those that a change of the sources has outdated.
+    #[test]
+    fn all_expressions_occur_in_the_sources() {
+        let repository = Repository::find().unwrap();
+        let read =
+            |file: &str| fs::read_to_string(repository.root.join(file)).map_err(|error| error.to_string());
+        let mutants = parse(&read(LIST).unwrap()).unwrap();
+        mutate(&mutants, read).unwrap();
+    }
+
     #[test]
     fn incomplete_mutants_are_refused() {
         let message = parse("name\nfile.rs\n- no marks\n+ x\n").unwrap_err();

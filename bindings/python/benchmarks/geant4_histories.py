@@ -8,13 +8,15 @@ history, volume, x, y, z, time, wavelength_nm. `--hits` writes the table of dete
 for one direction and else all directions; `--wavelength NM` or `A:B`, unpolarised or `--polarisation`; or `--photons FILE.npy`, an array
 (n, 4, 4) in the layout of Opticks.
 
-Scintillation by optical photons (Bugzilla 2750) is switched off. The kind of a boundary event is the status that the boundary process
-prints at verbosity 2: the bindings have no access to it. Geant4 asks on standard input about data sets; the script answers no.
-Tested with geant4-pybind 0.1.3 (Geant4 11.4.1).
+Scintillation by optical photons (Bugzilla 2750) is switched off. The kind of a boundary event is the status of the boundary process.
+The bindings have no access to it, so the script reads it from the memory of the process. In the first event, the process also prints
+its status (verbosity 2), which shows where it is; if no place in the memory holds every printed status, the process prints to the end.
+Geant4 asks on standard input about data sets; the script answers no. Tested with geant4-pybind 0.1.3 (Geant4 11.4.1).
 """
 
 import argparse
 import csv
+import ctypes
 import math
 import os
 import re
@@ -49,15 +51,29 @@ BOUNDARY = {
     "CoatedDielectricFrustratedTransmission": "coated_frustrated_transmission",
 }
 
-#: The events behind which a photon is in the next volume.
-TRANSMITTED = {
-    "transmission",
-    "fresnel_refraction",
-    "same_material",
-    "dichroic_transmission",
-    "coated_refraction",
-    "coated_frustrated_transmission",
-}
+#: The states of the boundary process as they are printed, in the order of the enumeration G4OpBoundaryProcessStatus.
+STATES = (
+    "Undefined",
+    "Transmission",
+    "FresnelRefraction",
+    "FresnelReflection",
+    "TotalInternalReflection",
+    "LambertianReflection",
+    "LobeReflection",
+    "SpikeReflection",
+    "BackScattering",
+    "Absorption",
+    "Detection",
+    "NotAtBoundary",
+    "SameMaterial",
+    "StepTooSmall",
+    "NoRINDEX",
+    *["Table"] * 24,
+    "Dichroic Transmission",
+    "CoatedDielectricReflection",
+    "CoatedDielectricRefraction",
+    "CoatedDielectricFrustratedTransmission",
+)
 
 #: The names of processes in a material.
 BULK = {"OpRayleigh": "rayleigh", "OpMieHG": "mie", "OpAbsorption": "absorbed"}
@@ -67,6 +83,9 @@ PER_EVENT = 1000
 
 #: The length in mm of steps that the boundary process ignores.
 TOLERANCE = 1e-9
+
+#: The number of bytes of the boundary process that the search for its status looks at.
+PROCESS_SIZE = 1024
 
 #: What the stepping action writes after each step.
 MARK = b"@step\n"
@@ -166,6 +185,34 @@ def states(text):
     return found
 
 
+class BoundaryStatus:
+    """The status of the boundary process, in its memory."""
+
+    def __init__(self, process):
+        self.process = process
+        # an object of pybind11 is the head of a Python object and a pointer to the object in C++, or to a pointer to it
+        pointer = ctypes.c_void_p.from_address(id(process) + object.__basicsize__).value
+        self.addresses = [pointer, ctypes.c_void_p.from_address(pointer).value]
+        self.copies = []
+
+    def copy(self):
+        """Stores the memory after a step."""
+        self.copies += [ctypes.string_at(address, PROCESS_SIZE) for address in self.addresses]
+
+    def find(self, printed):
+        """Returns the number in the memory that was the printed status after each step; None if there is not exactly one."""
+        words = np.frombuffer(b"".join(self.copies), np.int32).reshape(len(printed), 2, -1)
+        numbers = np.array([STATES.index(state) if state in STATES else -1 for state in printed])
+        # the process is not called after steps that end in the material or outside the world
+        is_called = np.array([state != "" for state in printed])
+        self.copies = []
+        places = np.argwhere((words == numbers[:, None, None])[is_called].all(axis=0))
+        if len(places) != 1:
+            return None
+        pointer, word = places[0].tolist()
+        return ctypes.c_int32.from_address(self.addresses[pointer] + 4 * word)
+
+
 class Track:
     """A track so far."""
 
@@ -175,8 +222,8 @@ class Track:
         self.photon, self.track, self.rows, self.end = photon, track, rows, None
 
 
-def simulate(options):
-    """Runs Geant4. Returns the rows of the two tables and the seconds of the simulation."""
+def simulate(options, tracks, hits):
+    """Runs Geant4 and writes the two tables, event by event. Returns the numbers of tracks and hits and the seconds of the simulation."""
     empty = tempfile.mkdtemp()
     Path(empty, "ENSDFSTATE.dat").touch()
     os.environ.update({f"G4{name}DATA": empty for name in DATA})
@@ -239,54 +286,90 @@ def simulate(options):
 
     def volume_path(touchable):
         """The path of a volume in the form of Rayweave: names of volumes, with the copy numbers of the file."""
-        names = []
-        for depth in range(touchable.GetHistoryDepth()):
-            volume = touchable.GetVolume(depth)
-            name = bare(volume.GetLogicalVolume().GetName())
-            copy = touchable.GetReplicaNumber(depth)
-            names.append(f"{name}[{copy}]" if copy != 0 or bare(volume.GetName()) in numbered else name)
-        return "/".join(reversed(names)) or bare(touchable.GetVolume(0).GetLogicalVolume().GetName())
+        depth = touchable.GetHistoryDepth()
+        if depth == 0:
+            return segment(touchable.GetVolume(0), 0)
+        return "/".join([segment(touchable.GetVolume(d), touchable.GetReplicaNumber(d)) for d in reversed(range(depth))])
+
+    # The segments of paths by volume and copy number. The bindings return the same objects for as long as these are kept.
+    segments = {}
+
+    def segment(volume, copy):
+        known = segments.get((volume, copy))
+        if known is None:
+            known = bare(volume.GetLogicalVolume().GetName())
+            known = f"{known}[{copy}]" if copy != 0 or bare(volume.GetName()) in numbered else known
+            segments[volume, copy] = known
+        return known
 
     class Run:
-        """The tracks of the event, and the tables so far."""
+        """The tracks of the event."""
 
         def __init__(self):
-            self.tables, self.hits, self.further = [], [], 0
+            self.further, self.tracks_written, self.hits_written = 0, 0, 0
+            # the number in memory, once it is found
+            self.status = None
+            self.search = BoundaryStatus(g4.G4ProcessTable.GetProcessTable().FindProcess("OpBoundary", "opticalphoton"))
 
         def begin(self, first):
-            self.first, self.tracks, self.pending, self.steps = first, {}, {}, []
+            self.first, self.tracks, self.steps = first, {}, []
 
-        def finish(self, found):
-            """Fills in the states of the boundary process and completes the tracks of the event."""
-            for at, state in zip(self.steps, found, strict=True):
+        def name(self, state):
+            """The name of a state of the boundary process."""
+            name = BOUNDARY.get(state) or f"unknown:{state.replace(' ', '')}"
+            return "surface_absorbed" if name == "detected" and options.detect == "volume" else name
+
+        def fill(self, printed):
+            """Fills in the printed states."""
+            for at, state in zip(self.steps, printed, strict=True):
                 track, k = at or (None, 0)
                 if track is not None and track.rows[k] == "?":
-                    name = BOUNDARY.get(state)
-                    if name == "detected" and options.detect == "volume":
-                        name = "surface_absorbed"
-                    track.rows[k] = name or f"unknown:{state.replace(' ', '')}"
-            for track in self.tracks.values():
-                if track.end is None:
-                    continue
+                    track.rows[k] = self.name(state)
+
+        def finish(self):
+            """Writes the tracks of the event."""
+            ended = {id(track): track for track in self.tracks.values() if track.end is not None}
+            for track in sorted(ended.values(), key=lambda track: (track.photon, track.track)):
                 rows = track.rows
                 # a wavelength shifter that emitted nothing
                 if rows[-1] == "shift":
                     rows[-1] = "shifter_absorbed"
-                path, (x, y, z), moment, length, direction, polarisation, sensor = track.end
+                path, (x, y, z), moment, length, hit = track.end
                 steps = len(rows) - 1
-                self.tables.append([track.photon, track.track, steps, " ".join(rows), path, x, y, z, moment, length])
+                tracks.writerow([track.photon, track.track, steps, " ".join(rows), path, x, y, z, moment, length])
+                self.tracks_written += 1
                 if rows[-1] == "detected":
-                    self.hits.append([0, track.photon, x, y, z, moment, *direction, *polarisation, length, steps, sensor])
-
-    run = Run()
+                    self.hits_written += 1
+                    if hit is not None:
+                        vectors, sensor = hit
+                        hits.writerow([0, track.photon, x, y, z, moment, *vectors, length, steps, sensor])
 
     class Steps(g4.G4UserSteppingAction):
         def UserSteppingAction(self, step):
-            os.write(1, MARK)
-            after = step.GetPostStepPoint()
             current = run.current
             rows = current.rows
+            if run.status is None:
+                os.write(1, MARK)
+                run.search.copy()
+                self.add(step, current, rows)
+            elif step.GetPostStepPoint().GetStepStatus() != g4.fGeomBoundary:
+                self.add(step, current, rows)
+            else:
+                name = names[run.status.value]
+                if name is None:
+                    # the step after a reflection (StepTooSmall)
+                    return
+                rows.append(name)
+                self.enter(step, current, rows)
+            if len(rows) > options.max_steps and step.GetTrack().GetTrackStatus() == g4.fAlive:
+                rows.append("step_limit")
+                step.GetTrack().SetTrackStatus(g4.fStopAndKill)
+
+        def add(self, step, current, rows):
+            """Adds a step that does not end at a boundary, or whose status is not known yet."""
+            after = step.GetPostStepPoint()
             process = after.GetProcessDefinedStep().GetProcessName()
+            at = (current, len(rows))
             if process in BULK:
                 rows.append(BULK[process])
             elif process.startswith("OpWLS"):
@@ -295,26 +378,23 @@ def simulate(options):
                 rows.append("escaped")
             elif step.GetStepLength() <= TOLERANCE:
                 # the step after a reflection, back into the volume, in which nothing happens (StepTooSmall)
-                run.steps.append(None)
-                return
+                at = None
             else:
                 rows.append("?")
-                if self.is_sensor(after):
-                    # a photon that moves into the volume enters the sensor
-                    track = step.GetTrack()
-                    volumes = after.GetTouchable().GetVolume(), step.GetPreStepPoint().GetTouchable().GetVolume()
-                    turned = track.GetMomentumDirection()
-                    current.end = None
-                    if track.GetTrackStatus() == g4.fAlive and self.goes_on(step, turned) and volumes[0] != volumes[1]:
-                        run.steps.append((current, len(rows) - 1))
-                        rows.append("detected")
-                        run.into_sensor = True
-                        track.SetTrackStatus(g4.fStopAndKill)
-                        return
-            run.steps.append((current, len(rows) - 1))
-            if len(rows) > options.max_steps and step.GetTrack().GetTrackStatus() == g4.fAlive:
-                rows.append("step_limit")
-                step.GetTrack().SetTrackStatus(g4.fStopAndKill)
+                self.enter(step, current, rows)
+            run.steps.append(at)
+
+        def enter(self, step, current, rows):
+            """Detects a photon that moves into a sensor."""
+            after = step.GetPostStepPoint()
+            if not self.is_sensor(after):
+                return
+            track = step.GetTrack()
+            volumes = after.GetTouchable().GetVolume(), step.GetPreStepPoint().GetTouchable().GetVolume()
+            if track.GetTrackStatus() == g4.fAlive and self.goes_on(step, track.GetMomentumDirection()) and volumes[0] != volumes[1]:
+                rows.append("detected")
+                run.into_sensor = True
+                track.SetTrackStatus(g4.fStopAndKill)
 
         def is_sensor(self, point):
             if options.detect == "efficiency" or not sensitive:
@@ -354,20 +434,16 @@ def simulate(options):
 
         def PostUserTrackingAction(self, track):
             step = track.GetStep()
-            point = step.GetPostStepPoint() if run.into_sensor else step.GetPreStepPoint()
-            inside = step.GetPostStepPoint().GetTouchable()
-            at, before, across = track.GetPosition(), step.GetPreStepPoint().GetMomentumDirection(), step.GetPreStepPoint().GetPolarization()
+            before, after = step.GetPreStepPoint(), step.GetPostStepPoint()
+            at = after.GetPosition()
             length = g4.h_Planck * g4.c_light / track.GetVertexKineticEnergy() / g4.nm
-            sensor = volume_path(inside) if inside.GetVolume() is not None else ""
-            run.current.end = (
-                volume_path(point.GetTouchable()),
-                (at.x, at.y, at.z),
-                track.GetGlobalTime(),
-                length,
-                (before.x, before.y, before.z),
-                (across.x, across.y, across.z),
-                sensor,
-            )
+            path = volume_path((after if run.into_sensor else before).GetTouchable())
+            hit = None
+            if options.hits is not None:
+                direction, across, inside = before.GetMomentumDirection(), before.GetPolarization(), after.GetTouchable()
+                sensor = volume_path(inside) if inside.GetVolume() is not None else ""
+                hit = (direction.x, direction.y, direction.z, across.x, across.y, across.z), sensor
+            run.current.end = path, (at.x, at.y, at.z), after.GetGlobalTime(), length, hit
 
     class Actions(g4.G4VUserActionInitialization):
         def Build(self):
@@ -385,26 +461,24 @@ def simulate(options):
     orders.ApplyCommand("/process/inactivate Scintillation opticalphoton")
     orders.ApplyCommand("/process/optical/boundary/verbose 2")
     orders.ApplyCommand(f"/random/setSeeds {options.seed + 1} {options.seed + 7919}")
+    run = Run()
+    # the names of the numbers of the status
+    names = [None if state == "StepTooSmall" else run.name(state) for state in STATES]
     begin = time.perf_counter()
     for _ in range(math.ceil(count / PER_EVENT)):
         capture.take()
         manager.BeamOn(1)
         text = capture.take()
-        if os.environ.get("GEANT4_HISTORIES_LOG"):
-            Path(os.environ["GEANT4_HISTORIES_LOG"]).write_bytes(text)
-        run.finish(states(text))
+        if run.status is None:
+            printed = states(text)
+            run.fill(printed)
+            run.status = run.search.find(printed)
+            if run.status is not None:
+                orders.ApplyCommand("/process/optical/boundary/verbose 0")
+        run.finish()
     seconds = time.perf_counter() - begin
     capture.end()
-    run.tables.sort(key=lambda row: (row[0], row[1]))
-    run.hits.sort(key=lambda row: row[1])
-    return run.tables, run.hits, seconds
-
-
-def save(path, columns, rows):
-    with open(path, "w", newline="") as file:
-        out = csv.writer(file, lineterminator="\n")
-        out.writerow(columns)
-        out.writerows(rows)
+    return run.tracks_written, run.hits_written, seconds
 
 
 def main():
@@ -422,11 +496,12 @@ def main():
     parser.add_argument("--detect", choices=("efficiency", "volume", "both"), default="both")
     parser.add_argument("--max-steps", type=int, default=10_000)
     options = parser.parse_args()
-    tables, hits, seconds = simulate(options)
-    save(options.out, COLUMNS, tables)
-    if options.hits is not None:
-        save(options.hits, HIT_COLUMNS, hits)
-    print(f"{len(tables)} tracks, {len(hits)} hits in {seconds:.1f} s: {len(tables) / max(seconds, 1e-9):.0f} tracks/s")
+    with open(options.out, "w", newline="") as tracks, open(options.hits or os.devnull, "w", newline="") as hits:
+        tables = [csv.writer(file, lineterminator="\n") for file in (tracks, hits)]
+        for table, columns in zip(tables, (COLUMNS, HIT_COLUMNS)):
+            table.writerow(columns)
+        written, found, seconds = simulate(options, *tables)
+    print(f"{written} tracks, {found} hits in {seconds:.1f} s: {written / max(seconds, 1e-9):.0f} tracks/s")
     sys.stdout.flush()
     os._exit(0)  # Geant4 may fail while it takes itself apart
 

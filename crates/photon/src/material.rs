@@ -235,3 +235,49 @@ impl OpticalMaterial {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::property::HC_MEV_NM;
+
+    /// The values at an energy are linear between the points of their tables, and constant beyond them.
+    #[test]
+    fn values_at_an_energy_are_those_of_the_tables() {
+        let table = |points: &[(f64, f64)]| PropertyTable::new(points.to_vec()).unwrap();
+        let material = OpticalMaterial {
+            group_velocity: Some(table(&[(2e-6, 200.0), (4e-6, 180.0)])),
+            absorption_length: Some(table(&[(1e-6, 100.0), (3e-6, 300.0)])),
+            ..OpticalMaterial::transparent("Glass", table(&[(2e-6, 1.3), (4e-6, 1.5)]))
+        };
+        let tables = ValueTable::new(&material);
+        let mut values = MaterialValues::new(&tables);
+        for (energy, index, velocity, length) in
+            [(1.5e-6, 1.3, 200.0, 150.0), (2.5e-6, 1.35, 195.0, 250.0), (3.5e-6, 1.45, 185.0, 300.0)]
+        {
+            values.set(&tables, energy);
+            let own = [values.index.unwrap(), values.velocity, values.paths()[0].0];
+            let is_near = |(own, expected): (f64, f64)| (own / expected - 1.0).abs() < 1e-12;
+            assert!(own.into_iter().zip([index, velocity, length]).all(is_near), "{energy}: {own:?}");
+        }
+    }
+
+    /// Light of 400 nm in water of index 1.34 at 283.15 K: 163.534310 m, computed in SI units with Boltzmann's constant in J/K. The
+    /// length goes with the fourth power of the wavelength, and inversely with temperature and factor.
+    #[test]
+    fn the_rayleigh_length_is_that_of_density_fluctuations() {
+        let energy = HC_MEV_NM / 400.0;
+        let index = PropertyTable::new(vec![(energy, 1.34), (2.0 * energy, 1.34)]).unwrap();
+        let water =
+            Compressibility { value: WATER_COMPRESSIBILITY, temperature: WATER_TEMPERATURE, scale: 1.0 };
+        let length = |constants: Compressibility| rayleigh_length(&index, constants).values().to_vec();
+        let is_near = |own: &[f64], expected: f64| (own[0] / expected - 1.0).abs() < 1e-7;
+        let own = length(water);
+        assert!(is_near(&own, 163_534.309_9), "{own:?}");
+        assert!((own[0] / own[1] - 16.0).abs() < 1e-12, "{own:?}");
+        let warm = length(Compressibility { temperature: 2.0 * WATER_TEMPERATURE, ..water });
+        assert!(is_near(&warm, 0.5 * 163_534.309_9), "{warm:?}");
+        let scaled = length(Compressibility { scale: 4.0, ..water });
+        assert!(is_near(&scaled, 0.25 * 163_534.309_9), "{scaled:?}");
+    }
+}

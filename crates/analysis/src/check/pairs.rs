@@ -140,28 +140,75 @@ pub fn outside<E: Evaluator>(
     subject: &Subject<'_>,
     probe: &mut Probe<'_, E>,
 ) -> Result<Vec<Finding>, AnalysisError> {
-    let Some(hierarchy) = subject.hierarchy else { return Ok(Vec::new()) };
-    let parts = parts(subject.regions, &subject.boxes)?;
-    let mut by_region: Vec<Vec<Bounds>> = vec![Vec::new(); subject.regions.len()];
-    for part in &parts {
-        by_region[part.region].push(part.bounds);
-    }
+    let boxes = part_boxes(subject)?;
     let mut findings = Vec::new();
-    for daughter in 0..subject.regions.len() {
-        let mothers = hierarchy.mothers(daughter);
-        if mothers.is_empty() {
-            continue;
+    for (daughter, boxes) in boxes.iter().enumerate() {
+        if let Some((finding, rest)) = beyond_mothers(subject, daughter, boxes, probe)? {
+            findings.push(Finding { volume: probe.volume(&rest)?, ..finding });
         }
-        let around = Solid::union(mothers.iter().map(|&mother| subject.regions[mother].solid.clone()));
-        let rest = &subject.regions[daughter].solid - &around;
-        let Some(met) = farthest(&rest, &by_region[daughter], probe)? else { continue };
-        let names: Vec<&str> = mothers.iter().map(|&mother| subject.name(mother)).collect();
-        let name = subject.name(daughter);
-        let text = format!("{name} extends beyond its mother, {}", names.join(" or "));
-        let finding = Finding::new(FindingKind::Outside, &[&[name][..], &names].concat(), text);
-        findings.push(Finding { volume: probe.volume(&rest)?, ..finding }.seen(met.thickness, met.chord));
     }
     Ok(findings)
+}
+
+/// Like [`outside`], without volumes, and only for parts whose boxes extend beyond those of the mothers' parts.
+pub fn protruding<E: Evaluator>(
+    subject: &Subject<'_>,
+    probe: &mut Probe<'_, E>,
+) -> Result<Vec<Finding>, AnalysisError> {
+    let Some(hierarchy) = subject.hierarchy else { return Ok(Vec::new()) };
+    let boxes = part_boxes(subject)?;
+    let distance = probe.scope.distance;
+    let mut findings = Vec::new();
+    for (daughter, own) in boxes.iter().enumerate() {
+        let mothers = hierarchy.mothers(daughter);
+        let around: Vec<Bounds> = match own.len() * mothers.iter().map(|&m| boxes[m].len()).sum::<usize>() {
+            0..=MOST_COMPARISONS => mothers.iter().flat_map(|&m| boxes[m].iter().copied()).collect(),
+            _ => mothers.iter().map(|&m| subject.boxes[m]).collect(),
+        };
+        let around: Vec<Bounds> = around.iter().map(|mother| mother.grown(distance)).collect();
+        let is_beyond = |own: &&Bounds| !around.iter().any(|mother| mother.union(own) == *mother);
+        let beyond: Vec<Bounds> = own.iter().filter(is_beyond).copied().collect();
+        if !beyond.is_empty() {
+            findings.extend(beyond_mothers(subject, daughter, &beyond, probe)?.map(|(finding, _)| finding));
+        }
+    }
+    Ok(findings)
+}
+
+/// The largest number of comparisons of boxes of a daughter's parts with boxes of its mothers' parts; above it, the boxes of the
+/// mothers as a whole are compared.
+const MOST_COMPARISONS: usize = 1 << 22;
+
+/// The boxes of the parts of each region.
+fn part_boxes(subject: &Subject<'_>) -> Result<Vec<Vec<Bounds>>, AnalysisError> {
+    let mut boxes = vec![Vec::new(); subject.regions.len()];
+    if subject.hierarchy.is_some() {
+        for part in parts(subject.regions, &subject.boxes)? {
+            boxes[part.region].push(part.bounds);
+        }
+    }
+    Ok(boxes)
+}
+
+/// The finding about a daughter whose parts in some boxes extend beyond its mothers, without a volume, and the solid outside.
+fn beyond_mothers<E: Evaluator>(
+    subject: &Subject<'_>,
+    daughter: usize,
+    boxes: &[Bounds],
+    probe: &mut Probe<'_, E>,
+) -> Result<Option<(Finding, Solid)>, AnalysisError> {
+    let mothers = subject.hierarchy.map_or(&[][..], |hierarchy| hierarchy.mothers(daughter));
+    if mothers.is_empty() {
+        return Ok(None);
+    }
+    let around = Solid::union(mothers.iter().map(|&mother| subject.regions[mother].solid.clone()));
+    let rest = &subject.regions[daughter].solid - &around;
+    let Some(met) = farthest(&rest, boxes, probe)? else { return Ok(None) };
+    let names: Vec<&str> = mothers.iter().map(|&mother| subject.name(mother)).collect();
+    let name = subject.name(daughter);
+    let text = format!("{name} extends beyond its mother, {}", names.join(" or "));
+    let finding = Finding::new(FindingKind::Outside, &[&[name][..], &names].concat(), text);
+    Ok(Some((finding.seen(met.thickness, met.chord), rest)))
 }
 
 /// The thickest place outside the mothers, among the remainders of the parts in their boxes.

@@ -254,6 +254,32 @@ fn daughters_and_copies() {
     assert!(report.of(FindingKind::Overlap).any(|f| f.regions == ["Hall", "Crate"]), "{report:?}");
 }
 
+/// The quick search finds the crate that extends 5 mm beyond the hall; not a crate that touches the face of the hall from inside, nor a
+/// turned ball, whose box alone extends beyond the hall.
+#[test]
+fn protruding_daughters() {
+    let found = |text: &str| {
+        let imported = rayweave_formats::parse(text, Format::Gdml, &[], &Options::default()).unwrap();
+        let hierarchy = Hierarchy::of(&imported.document(), &imported.scene).unwrap();
+        protruding(&imported.scene, &hierarchy, AnyEvaluator::maker(None), &quick()).unwrap()
+    };
+    let [crate_outside] = &found(DETECTOR)[..] else { panic!("{:?}", found(DETECTOR)) };
+    assert_eq!(crate_outside.text, "Crate extends beyond its mother, Hall");
+    assert!((crate_outside.size.unwrap() - 5.0).abs() < 1e-9, "{crate_outside:?}");
+    assert_eq!(found(&DETECTOR.replace(r#"x="40""#, r#"x="35""#)), []);
+    let ball = DETECTOR.replace(
+        r#"<box name="crate" x="30" y="30" z="30" lunit="mm"/>"#,
+        r#"<orb name="crate" r="15" lunit="mm"/>"#,
+    );
+    let turned = ball.replace(
+        r#"<positionref ref="p"/>"#,
+        r#"<positionref ref="p"/><rotation name="t" z="45" unit="deg"/>"#,
+    );
+    let at = |x: &str| turned.replace(r#"x="40""#, &format!(r#"x="{x}""#));
+    assert_eq!(found(&at("32")), []);
+    assert_eq!(found(&at("40")).len(), 1);
+}
+
 #[test]
 fn pictures_of_findings() {
     let text = boxes(&[("a", [0.0; 3], [2.0; 3]), ("b", [1.75, 0.5, 0.5], [3.0, 1.5, 1.5])]);

@@ -11,6 +11,7 @@ use crate::photon_report::PhotonReport;
 use crate::terminal::{self, Unit};
 use clap::{ArgMatches, Args, Command, FromArgMatches, ValueEnum};
 use rayweave::Packets;
+use rayweave::check::{CheckSettings, Hierarchy, protruding};
 use rayweave::detector::{Histogram, HitPositions, MapPlane, histograms_svg, hit_maps_svg};
 use rayweave::layout::{LayoutPlane, OpticalLayout};
 use rayweave::photon::{
@@ -22,6 +23,9 @@ use rayweave::table::{ContentHash, Part, TableError, TableWriter};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+/// The largest number of copies of a daughter that are searched for parts outside their mothers.
+const MOST_PROTRUDING: usize = 64;
 
 /// Simulate optical photons in a detector and report how they end
 ///
@@ -254,6 +258,9 @@ impl Simulation {
         };
         detector.warnings().iter().for_each(|text| terminal::caution(text));
         detector.notes().iter().for_each(|text| note(text));
+        if !global.quiet {
+            self.protruding(&scene, &document, global).iter().for_each(|text| note(text));
+        }
         let evaluator = Packets::new(detector.program().clone());
         let source = self.source.source(&detector, &evaluator, note)?;
         let range = self.numbers(source.limit())?;
@@ -295,6 +302,27 @@ impl Simulation {
             () if is_piped || global.quiet => Ok(()),
             () => terminal::print(&report.as_text()),
         }
+    }
+
+    /// Notes about daughters that extend beyond their mothers, as far as they are quickly found.
+    fn protruding(&self, scene: &Scene, document: &Document, global: &GlobalArguments) -> Vec<String> {
+        let Some(hierarchy) = Hierarchy::of(document, scene) else { return Vec::new() };
+        let settings = CheckSettings {
+            most_pairs: MOST_PROTRUDING,
+            threads: global.threads,
+            cancel: interrupt::token(),
+            ..CheckSettings::default()
+        };
+        let make = |program| Ok::<_, PhotonError>(Packets::new(program));
+        // what a check rejects, such as an unbounded model, is no reason to stop the run
+        let found = protruding(scene, &hierarchy, make, &settings).unwrap_or_default();
+        let text = |text: &str| {
+            let name = self.model.name();
+            format!(
+                "{text}: it replaces what is there, unlike in Geant4. `rayweave check {name}` shows where."
+            )
+        };
+        found.iter().map(|finding| text(&finding.text)).collect()
     }
 
     /// The tables to write, with the name of their content.

@@ -379,6 +379,24 @@ fn the_note_of_a_dark_run_is_true() {
     }
 }
 
+/// The run notes a daughter that extends beyond its mother with the words of the check.
+#[test]
+fn protruding_daughters_are_noted() {
+    let bench = bench();
+    let text = block("xml");
+    let diode = r#"z="50.5""#;
+    assert!(text.contains(diode));
+    assert!(!bench.run(&run(&[])).err.contains("extends beyond"));
+    // the diode, half outside the hall
+    bench.write("bar.gdml", &text.replace(diode, r#"z="100""#));
+    let said = bench.run(&run(&[])).err;
+    let found = bench.json(&["check", "bar.gdml", "--json"]);
+    let outside = found["findings"].as_array().unwrap().iter().find(|own| own["kind"] == "outside").unwrap();
+    let note = format!("note: {}: it replaces what is there", outside["text"].as_str().unwrap());
+    assert!(said.contains(&note), "{said}");
+    assert!(!bench.run(&run(&["--quiet"])).err.contains("extends beyond"));
+}
+
 /// A wrapping of the `LUT` model needs its table; a source outside all volumes is an error.
 #[test]
 fn measured_surfaces_and_outer_sources() {

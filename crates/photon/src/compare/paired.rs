@@ -83,7 +83,7 @@ fn by_photon(sample: &PhotonSample) -> impl Iterator<Item = (i64, Vec<u8>)> {
 /// The history of a photon: those of its tracks, the first one first and the others sorted.
 pub(super) fn photon_history(tracks: &[SampleTrack]) -> Vec<u8> {
     let Some((first, further)) = tracks.split_first() else { return Vec::new() };
-    let mut codes = first.history.clone();
+    let mut codes = first.history.to_vec();
     let mut further: Vec<&[u8]> = further.iter().map(|track| &track.history[..]).collect();
     further.sort_unstable();
     for history in further {

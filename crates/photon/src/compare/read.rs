@@ -1,6 +1,6 @@
 //! Samples from files: tables of steps, of histories and of hits, and arrays of Opticks.
 
-use super::sample::{Alphabet, PhotonSample, SampleTrack};
+use super::sample::{Alphabet, PhotonSample, SampleTrack, SharedHistories};
 use crate::error::PhotonError;
 use crate::history::Process;
 use rayweave_error::Message;
@@ -8,6 +8,7 @@ use rayweave_table::{NpyArray, NpyArrayError, TableReader, TableRow, read_npy_wo
 use std::collections::HashMap;
 use std::fs::File;
 use std::path::Path;
+use std::sync::Arc;
 
 /// The largest number of words of an array: 16 GiB.
 const MAX_NUMBERS: u64 = 1 << 31;
@@ -81,13 +82,11 @@ fn sequences(name: &str, words: &[u64], shape: &[u64]) -> Result<PhotonSample, P
             ));
         }
     };
+    let mut histories = SharedHistories::default();
     let track = |(photon, row): (i64, &[u64])| {
         let slots = (0..32).map(|slot| ((row[slot / 16] >> (4 * (slot % 16))) & 15) as u8);
-        SampleTrack {
-            photon,
-            history: slots.take_while(|&code| code != 0).collect(),
-            ..SampleTrack::default()
-        }
+        let codes: Vec<u8> = slots.take_while(|&code| code != 0).collect();
+        SampleTrack { photon, history: histories.share(&codes), ..SampleTrack::default() }
     };
     let tracks: Vec<SampleTrack> = (0..).zip(words.chunks_exact(size)).map(track).collect();
     if let Some(empty) = tracks.iter().position(|track| track.history.is_empty()) {
@@ -160,6 +159,7 @@ fn table(path: &Path, name: &str) -> Result<PhotonSample, PhotonError> {
     wanted.push(position("track").unwrap_or(wanted[0]));
     let mut builder = Builder { kind, ..Builder::default() };
     reader.read(&wanted, &mut |row| builder.add(row))?;
+    builder.end_track();
     let is_hits = *kind == "sensor";
     let mut tracks = builder.tracks;
     tracks.sort_by_key(|track| track.photon);
@@ -178,20 +178,30 @@ fn table(path: &Path, name: &str) -> Result<PhotonSample, PhotonError> {
 struct Builder<'a> {
     kind: &'a str,
     tracks: Vec<SampleTrack>,
-    /// The track of the last row.
+    /// The track of the last row, and its codes so far.
     last: Option<(i64, i64)>,
+    codes: Vec<u8>,
     volumes: Names,
-    /// The codes of each text of a history that has occurred.
-    known: HashMap<String, Vec<u8>>,
+    histories: SharedHistories,
+    /// The history of each text that has occurred.
+    known: HashMap<String, Arc<[u8]>>,
 }
 
 impl Builder<'_> {
+    /// Completes the last track of a table of steps.
+    fn end_track(&mut self) {
+        if let Some(track) = self.tracks.last_mut().filter(|_| !self.codes.is_empty()) {
+            track.history = self.histories.share(&self.codes);
+            self.codes.clear();
+        }
+    }
+
     fn add(&mut self, row: &TableRow<'_>) -> Result<(), rayweave_table::TableError> {
         let (photon, track) = (row.integer(0)?, row.integer(5)?);
         let text = row.text(1)?;
         let end = SampleTrack {
             photon,
-            history: Vec::new(),
+            history: Arc::default(),
             volume: self.volumes.number(row.text(2)?),
             time: row.float(3)?,
             wavelength_nm: row.float(4)?,
@@ -200,15 +210,14 @@ impl Builder<'_> {
             "process" => {
                 let code = code(text).map_err(|reason| row.error(1, &reason))?;
                 let is_new = self.last.replace((photon, track)) != Some((photon, track));
-                match self.tracks.last_mut().filter(|_| !is_new) {
+                if is_new {
+                    self.end_track();
+                    self.tracks.push(end);
+                } else if let Some(known) = self.tracks.last_mut() {
                     // the last row is the end
-                    Some(known) => {
-                        let mut history = std::mem::take(&mut known.history);
-                        history.push(code);
-                        *known = SampleTrack { history, ..end };
-                    }
-                    None => self.tracks.push(SampleTrack { history: vec![code], ..end }),
+                    *known = end;
                 }
+                self.codes.push(code);
             }
             "history" => {
                 if !self.known.contains_key(text) {
@@ -217,7 +226,7 @@ impl Builder<'_> {
                     if codes.is_empty() {
                         return Err(row.error(1, "the history is empty"));
                     }
-                    self.known.insert(text.to_owned(), codes);
+                    self.known.insert(text.to_owned(), self.histories.share(&codes));
                 }
                 self.tracks.push(SampleTrack { history: self.known[text].clone(), ..end });
             }

@@ -6,6 +6,7 @@ use super::sample::{Alphabet, PhotonSample, SampleTrack};
 use super::statistics::{ComparedQuantity, fraction_z};
 use crate::error::PhotonError;
 use rayweave_error::Message;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// A value of a track.
@@ -72,14 +73,10 @@ pub fn compare(
         return Err(PhotonError::setting(problem, "it must be at least 1"));
     }
     let is_hits = options.hits || a.is_hits || b.is_hits;
-    let is_known = |sample: &PhotonSample| sample.is_hits || sample.alphabet.is_some();
-    let reduced = |sample: &PhotonSample| match is_hits && is_known(sample) {
-        true => sample.detected(),
-        false if options.flags || a.alphabet != b.alphabet => sample.as_flags(),
-        false => sample.clone(),
-    };
-    let (a, b) = (reduced(a), reduced(b));
-    if let Some(sample) = [&a, &b].into_iter().find(|sample| sample.tracks.is_empty()) {
+    let flags = options.flags || a.alphabet != b.alphabet;
+    let reduced = [a, b].map(|sample| reduced(sample, is_hits, flags));
+    let [a, b]: [&PhotonSample; 2] = [&reduced[0], &reduced[1]];
+    if let Some(sample) = [a, b].into_iter().find(|sample| sample.tracks.is_empty()) {
         let what = if is_hits { "no photon is detected" } else { "the file has no photons" };
         return Err(PhotonError::Sample(Message::new(format!("{} cannot be compared", sample.name), what)));
     }
@@ -87,14 +84,14 @@ pub fn compare(
         names: [a.name.clone(), b.name.clone()],
         photons: [a.photons(), b.photons()],
         is_hits,
-        hits_z: hits_z([&a, &b], is_hits),
+        hits_z: hits_z([a, b], is_hits),
         quantities: Vec::new(),
         missing: Vec::new(),
         pairs: None,
     };
-    comparison.histories([&a, &b], options);
-    comparison.volumes([&a, &b], options);
-    comparison.values([&a, &b], options);
+    comparison.histories([a, b], options);
+    comparison.volumes([a, b], options);
+    comparison.values([a, b], options);
     if comparison.quantities.is_empty() {
         let problem = format!("{} and {} cannot be compared", a.name, b.name);
         let message = Message::new(problem, comparison.missing.join("; "));
@@ -102,6 +99,16 @@ pub fn compare(
         return Err(PhotonError::Sample(message.suggest(suggestion)));
     }
     Ok(comparison)
+}
+
+/// What is compared of a sample: its detected photons, or flags for its processes, or all of it.
+fn reduced(sample: &PhotonSample, is_hits: bool, flags: bool) -> Cow<'_, PhotonSample> {
+    let is_known = sample.is_hits || sample.alphabet.is_some();
+    match is_hits && is_known {
+        true => Cow::Owned(sample.detected()),
+        false if flags => Cow::Owned(sample.as_flags()),
+        false => Cow::Borrowed(sample),
+    }
 }
 
 /// The difference of the numbers of hits of two Poisson samples.

@@ -2,6 +2,8 @@
 
 use crate::flight::End;
 use crate::history::{Process, flag_name};
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 /// The meaning of the codes of histories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,14 +49,31 @@ impl Alphabet {
 pub struct SampleTrack {
     /// The number of the photon.
     pub photon: i64,
-    /// The codes of the history; empty if the sample has none.
-    pub history: Vec<u8>,
+    /// The codes of the history; empty if the sample has none. Tracks with equal histories should share them: samples have far
+    /// fewer histories than tracks.
+    pub history: Arc<[u8]>,
     /// The volume of the end: an index into [`PhotonSample::volumes`].
     pub volume: u32,
     /// The time of the end in ns.
     pub time: f64,
     /// The wavelength at the end in nm.
     pub wavelength_nm: f64,
+}
+
+/// Histories that tracks share.
+#[derive(Debug, Default)]
+pub(super) struct SharedHistories(HashSet<Arc<[u8]>>);
+
+impl SharedHistories {
+    /// The shared history with these codes.
+    pub fn share(&mut self, codes: &[u8]) -> Arc<[u8]> {
+        if let Some(known) = self.0.get(codes) {
+            return known.clone();
+        }
+        let history: Arc<[u8]> = codes.into();
+        self.0.insert(history.clone());
+        history
+    }
 }
 
 /// A sample of photons.
@@ -113,14 +132,17 @@ impl PhotonSample {
 
     /// The sample with the histories as flags.
     pub(super) fn as_flags(&self) -> PhotonSample {
-        let flags = |track: &SampleTrack| match self.alphabet {
+        let mut known: HashMap<Arc<[u8]>, Arc<[u8]>> = HashMap::new();
+        let mut flags = |track: &SampleTrack| match self.alphabet {
             Some(Alphabet::Processes) => {
-                SampleTrack { history: Alphabet::flags(&track.history), ..track.clone() }
+                let own = known.entry(track.history.clone());
+                let history = own.or_insert_with_key(|codes| Alphabet::flags(codes).into()).clone();
+                SampleTrack { history, ..track.clone() }
             }
             _ => track.clone(),
         };
         PhotonSample {
-            tracks: self.tracks.iter().map(flags).collect(),
+            tracks: self.tracks.iter().map(&mut flags).collect(),
             alphabet: self.alphabet.map(|_| Alphabet::Flags),
             ..self.head()
         }

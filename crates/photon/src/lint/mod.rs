@@ -26,9 +26,9 @@ use std::sync::Arc;
 /// Checks the optical properties in the `[gdml]` or `[photons]` table of a document. `places` returns the place of an element (`material`,
 /// `surface`, `skin` or `border`) by name, or of one of its properties; an empty property means the element.
 ///
-/// `evaluator` makes an evaluator of a program, which finds volumes that touch: random lines through the boxes of the volumes, 65,536
-/// in all or at least 64 for each of the first 4,096 volumes. A contact that is a small part of the box of both volumes may be
-/// missed; a daughter counts as touching its mother in any case.
+/// `evaluator` makes an evaluator of a program, which finds volumes that touch: random lines in the boxes of the volumes, 65,536
+/// in all or at least 256 for each of up to 4,096 volumes, and fewer for each of more volumes. A contact that is a small part of the
+/// box of both volumes may be missed; a daughter counts as touching its mother in any case.
 ///
 /// The findings are in the order of the rules; none if the model has no such table, or no optical property.
 #[must_use]

@@ -64,7 +64,7 @@ fn tables() {
     assert_eq!(steps.volumes, histories.volumes);
     assert_eq!((steps.photons(), steps.tracks.len()), (2, 3));
     assert_eq!(
-        steps.tracks[0].history,
+        &*steps.tracks[0].history,
         [Process::Emission, Process::Rayleigh, Process::End(End::Absorbed)].map(code)
     );
     let hits = "event,photon,x,y,z,time,wavelength_nm,sensor\n0,1,0,0,0,4,510,Tank\n";
