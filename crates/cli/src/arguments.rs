@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args)]
 pub struct GlobalArguments {
     /// Number of threads [default: the variable RAYWEAVE_THREADS, else all cores]
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<NonZeroUsize>,
 
     /// Show neither a progress bar nor messages of success
@@ -259,7 +259,7 @@ impl PartArguments {
 
 /// A range of numbers, `A:B`.
 pub fn range(text: &str) -> Result<Range<u64>, String> {
-    let ends = text.split_once(':').and_then(|(a, b)| Some(a.trim().parse().ok()?..b.trim().parse().ok()?));
+    let ends = text.split_once(':').and_then(|(a, b)| Some(whole_number(a).ok()?..whole_number(b).ok()?));
     match ends {
         Some(range) if range.start <= range.end => Ok(range),
         _ => Err("give two whole numbers as A:B, with A at most B".to_owned()),
@@ -274,8 +274,29 @@ pub fn whole_number(text: &str) -> Result<u64, String> {
         // whole numbers up to 2^53 are exact
         (value.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&value)).then_some(value as u64)
     };
-    let problem = || "give a whole number from 0, as 100000 or 1e5".to_owned();
+    let problem = || "it must be a whole number from 0, as 100000 or 1e5".to_owned();
     text.parse().ok().or_else(in_full).ok_or_else(problem)
+}
+
+/// A whole number from `LOW` to `HIGH`, in any form of [`whole_number`].
+pub fn count<T: TryFrom<u64>, const LOW: u64, const HIGH: u64>(text: &str) -> Result<T, String> {
+    let number = whole_number(text)?;
+    let in_range = Some(number).filter(|number| (LOW..=HIGH).contains(number));
+    let problem = || match HIGH {
+        u64::MAX => format!("{number} is not in {LOW}.."),
+        _ => format!("{number} is not in {LOW}..={HIGH}"),
+    };
+    in_range.and_then(|number| T::try_from(number).ok()).ok_or_else(problem)
+}
+
+/// A whole number from 1, in any form of [`whole_number`].
+pub fn at_least_one(text: &str) -> Result<NonZeroUsize, String> {
+    NonZeroUsize::new(any_count(text)?).ok_or_else(|| "it must be at least 1".to_owned())
+}
+
+/// A whole number from 0, in any form of [`whole_number`].
+pub fn any_count<T: TryFrom<u64>>(text: &str) -> Result<T, String> {
+    T::try_from(whole_number(text)?).map_err(|_| "it is too large".to_owned())
 }
 
 /// A hash of a value by its debug output, which has all digits of its numbers.
@@ -340,7 +361,7 @@ pub struct SamplingArguments {
     pub rays: u64,
 
     /// Seed of random numbers
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = any_count::<u64>)]
     pub seed: u64,
 }
 

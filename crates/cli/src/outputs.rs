@@ -175,13 +175,20 @@ fn declare(argument: &'static str, path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Rejects a default output file, which the command line does not name, that is an input.
-pub fn check_default(path: &Path) -> Result<(), Failure> {
+/// Rejects an output file that the command line does not name, such as one in a folder of outputs, if it is an input, another output or
+/// a file that a model has read.
+pub fn check_unnamed(path: &Path) -> Result<(), Failure> {
     let Some(identity) = Identity::of(path) else { return Ok(()) };
-    match lock().inputs.iter().find(|input| input.identity.is_same(&identity)) {
-        Some(input) => Err(overwritten(path, input.argument)),
-        None => Ok(()),
+    let files = lock();
+    if let Some(other) = files.inputs.iter().chain(&files.outputs).find(|own| own.identity.is_same(&identity))
+    {
+        return Err(overwritten(path, other.argument));
     }
+    let is_read = |file: &FileStamp| Identity::of(&file.path).is_some_and(|read| read.is_same(&identity));
+    if files.read.iter().any(is_read) {
+        return Err(overwritten(path, "a file that the model reads"));
+    }
+    Ok(())
 }
 
 fn overwritten(path: &Path, what: &str) -> Failure {

@@ -296,6 +296,9 @@ pub trait Evaluator: Sync {
 
     /// Computes the region that contains each point; 0 is the world. For a point on a boundary, the symbolic
     /// perturbation decides.
+    ///
+    /// Points must pass [`Program::check_points`], which the caller runs once per batch. The answer for a point that does not
+    /// pass is arbitrary, usually the world; the call does not panic.
     fn regions_at(&self, points: [&[f64]; 3], scratch: &mut Self::Scratch, out: &mut [RegionId]);
 
     /// Appends the crossings of every ray of a batch to columns: [`Evaluator::crossings`] without a call per
@@ -386,7 +389,7 @@ pub trait Evaluator: Sync {
         self.collect(RayBatch::from_iter([ray]).rays(), query).map_err(|bad| bad.problem)
     }
 
-    /// True if the point is inside any region.
+    /// True if the point, whose coordinates must be finite, is inside any region: see [`Evaluator::regions_at`].
     fn contains(&self, point: Vec3) -> bool {
         let mut region = [RegionId(0)];
         self.regions_at([&[point.x], &[point.y], &[point.z]], &mut self.scratch(), &mut region);

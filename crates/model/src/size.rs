@@ -44,6 +44,11 @@ pub fn check_repetition(solids: &[&Solid]) -> Result<(), CompileError> {
     FOR_FILES.check(solids)
 }
 
+/// The number of leaves and copies that a solid expands to, or `most` if there are more. Faster than compiling it.
+pub fn expanded_size(solid: &Solid, most: u64) -> u64 {
+    leaf_count(&[solid], most).unwrap_or(most)
+}
+
 impl LeafLimit {
     /// Rejects solids that expand to more leaves.
     pub(crate) fn check(&self, solids: &[&Solid]) -> Result<(), CompileError> {

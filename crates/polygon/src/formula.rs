@@ -62,7 +62,7 @@ impl Polygons {
             let corners = self.corners_of(k);
             let chain =
                 Chain::new(&self.vertices[corners.clone()], corners.start as u32, self.nesting[k].is_island);
-            contours.push(chain.fold(&mut half_plane, &mut join));
+            contours.push(chain.fold_closed(&mut |edge| half_plane(chain.half_plane(edge)), &mut join));
         }
         let enclosed = match contours.len() {
             1 => contours.remove(0),
@@ -75,11 +75,12 @@ impl Polygons {
     }
 }
 
-/// A contour as a closed counter-clockwise chain that starts and ends at the lexicographically first vertex.
-struct Chain {
-    points: Vec<Point>,
+/// A chain of edges: a contour as a closed counter-clockwise chain that starts and ends at the lexicographically first vertex, or a
+/// part of one, whose first and last edges stand for their extensions to infinity.
+pub(crate) struct Chain {
+    pub points: Vec<Point>,
     /// The index of the edge from each point to the next.
-    edges: Vec<u32>,
+    pub edges: Vec<u32>,
 }
 
 /// A step of the construction, on an explicit stack.
@@ -107,7 +108,7 @@ impl<T> Subformula<T> {
 }
 
 impl Chain {
-    fn new(corners: &[Point], first_edge: u32, is_counter_clockwise: bool) -> Chain {
+    pub fn new(corners: &[Point], first_edge: u32, is_counter_clockwise: bool) -> Chain {
         let n = corners.len();
         let first = (0..n).min_by(|&a, &b| lexicographic(corners[a], corners[b])).unwrap_or(0);
         // in a reversed contour the edge from corner k is the given edge that ends there
@@ -119,20 +120,48 @@ impl Chain {
         }
     }
 
-    fn fold<T>(
+    /// The formula of the inside of a closed chain; `half_plane` converts an edge by its index in the chain.
+    pub fn fold_closed<T>(
         &self,
-        half_plane: &mut impl FnMut(HalfPlane) -> T,
+        half_plane: &mut impl FnMut(usize) -> T,
         join: &mut impl FnMut(Operator, Vec<T>) -> T,
     ) -> T {
         let n = self.edges.len();
         let last = (0..n).max_by(|&a, &b| lexicographic(self.points[a], self.points[b])).unwrap_or(0);
-        let mut tasks = vec![Task::Join(Operator::Intersection), Task::Chain(last, n), Task::Chain(0, last)];
+        let tasks = vec![Task::Join(Operator::Intersection), Task::Chain(last, n), Task::Chain(0, last)];
+        let made = self.subformulas(tasks, half_plane, join);
+        // the bottom of the stack is the intersection of both chains
+        let parts =
+            made.into_iter().flat_map(|group| group.operands_for(Operator::Intersection, join)).collect();
+        join(Operator::Intersection, parts)
+    }
+
+    /// The formula of the left side of an open chain, which is simple with its first and last edges extended to infinity.
+    pub fn fold_open<T>(
+        &self,
+        half_plane: &mut impl FnMut(usize) -> T,
+        join: &mut impl FnMut(Operator, Vec<T>) -> T,
+    ) -> T {
+        let mut made = self.subformulas(vec![Task::Chain(0, self.edges.len())], half_plane, join);
+        match made.pop() {
+            Some(Subformula { operator: Some(operator), parts }) => join(operator, parts),
+            Some(Subformula { operator: None, mut parts }) if parts.len() == 1 => parts.remove(0),
+            _ => join(Operator::Intersection, Vec::new()),
+        }
+    }
+
+    fn subformulas<T>(
+        &self,
+        mut tasks: Vec<Task>,
+        half_plane: &mut impl FnMut(usize) -> T,
+        join: &mut impl FnMut(Operator, Vec<T>) -> T,
+    ) -> Vec<Subformula<T>> {
         let mut made: Vec<Subformula<T>> = Vec::new();
-        let mut budget = 100 * n;
+        let mut budget = 100 * self.edges.len();
         while let Some(task) = tasks.pop() {
             match task {
                 Task::Chain(from, to) if to - from == 1 => {
-                    made.push(Subformula { operator: None, parts: vec![half_plane(self.half_plane(from))] });
+                    made.push(Subformula { operator: None, parts: vec![half_plane(from)] });
                 }
                 Task::Chain(from, to) => {
                     let cut = self.cut(from, to, &mut budget);
@@ -148,10 +177,7 @@ impl Chain {
                 }
             }
         }
-        // the bottom of the stack is the intersection of both chains
-        let parts =
-            made.into_iter().flat_map(|group| group.operands_for(Operator::Intersection, join)).collect();
-        join(Operator::Intersection, parts)
+        made
     }
 
     fn orientation_at(&self, k: usize) -> i8 {
@@ -162,7 +188,7 @@ impl Chain {
     ///
     /// The rounding error of the normal is a few u, that of the offset 2 ulp. The line therefore passes both end points within a few
     /// u times their distance from the origin, well within the tolerance `delta`.
-    fn half_plane(&self, k: usize) -> HalfPlane {
+    pub fn half_plane(&self, k: usize) -> HalfPlane {
         let (a, b) = (self.points[k], self.points[k + 1]);
         let normal = [b[1] - a[1], a[0] - b[0]];
         let longest = normal[0].abs().max(normal[1].abs());
@@ -267,7 +293,7 @@ fn along(direction: Point, a: Point, b: Point) -> i8 {
 }
 
 /// The sign of the cross product of two vectors, each given by its ends.
-fn cross([a, b]: [Point; 2], [c, d]: [Point; 2]) -> i8 {
+pub(crate) fn cross([a, b]: [Point; 2], [c, d]: [Point; 2]) -> i8 {
     sign([b[0], a[0]], [d[1], c[1]], [b[1], a[1]], [d[0], c[0]])
 }
 

@@ -17,9 +17,11 @@
 //! ```
 //!
 //! Two algorithms that share no code evaluate a region: crossings along lines, by the sides of the vertices
-//! ([`Polygons::trace`], [`Polygons::scan`]), and a boolean formula of half-planes with one half-plane per edge
-//! ([`Polygons::fold`]), which turns the region into a solid of the plane or a prism in space ([`Polygons::extrude`]).
+//! ([`Polygons::trace`], [`Polygons::scan`]), and a boolean formula of half-planes, one for each edge ([`Polygons::fold`]) or, for
+//! many edges, one for each edge in each cell of the plane ([`Polygons::fold_by_cells`]). The formula turns the region into a solid
+//! of the plane or a prism in space ([`Polygons::extrude`]).
 
+mod cells;
 mod contour;
 mod error;
 mod exact;

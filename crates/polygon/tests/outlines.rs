@@ -228,3 +228,75 @@ fn nearly_vertical_walls_are_crossed() {
         }
     }
 }
+
+/// A plate with 144 rounded holes, half of them with a round island, and 20 round holes: more than a thousand edges, so that the
+/// formula is divided into cells.
+#[test]
+fn plates_with_many_holes_contain_the_points_of_their_outlines() {
+    let plate_of = |x: f64, y: f64| plate(x, y, 1.0);
+    let mut contours = vec![plate_of(13.0, 13.0)];
+    let mut holes = Vec::new();
+    for (i, j) in (0..12).flat_map(|i| (0..12).map(move |j| (i, j))) {
+        let centre = [2.0 * f64::from(i) - 11.0, 2.0 * f64::from(j) - 11.0];
+        let diamond = [[0.7, 0.0], [0.0, 0.7], [-0.7, 0.0], [0.0, -0.7]];
+        let corners = diamond.map(|[x, y]| [centre[0] + x, centre[1] + y]);
+        contours.push(rounded(&corners, Corner::Fillet(0.125)));
+        let island = ((i + j) % 2 == 0).then_some(0.3);
+        contours.extend(island.map(|radius| Vertex::circle(centre, radius).to_vec()));
+        holes.push((centre, island));
+    }
+    let dots: Vec<[f64; 2]> = (0..5)
+        .flat_map(|i| (0..4).map(move |j| [4.0 * f64::from(i) - 8.0, 4.0 * f64::from(j) - 6.0]))
+        .collect();
+    contours.extend(dots.iter().map(|at| Vertex::circle(*at, 0.2).to_vec()));
+    let outline = Outline::new(&contours).unwrap();
+    let (half, diagonal) = (0.7 / 2f64.sqrt(), 0.5f64.sqrt());
+    let depth = |[x, y]: [f64; 2]| {
+        let mut deepest = from_plate([x, y], 13.0, 13.0, 1.0);
+        for ([a, b], island) in &holes {
+            let (u, v) = (x - a, y - b);
+            let hole = from_plate([diagonal * (u + v), diagonal * (u - v)], half, half, 0.125);
+            let island = island.map_or(f64::INFINITY, |radius| libm::hypot(u, v) - radius);
+            deepest = deepest.max((-hole).min(island));
+        }
+        let dot = dots.iter().map(|[a, b]| 0.2 - libm::hypot(x - a, y - b));
+        dot.fold(deepest, f64::max)
+    };
+    let area: f64 = outline.area();
+    let hole = 4.0 * half * half - (4.0 - PI) * 0.125 * 0.125;
+    let exact = 676.0 - (4.0 - PI) - 144.0 * hole + 72.0 * PI * 0.09 - 20.0 * PI * 0.04;
+    assert!((area - exact).abs() < 1e-12 * exact, "{area} {exact}");
+    let prism = outline.extrude(0.0, 2.0, [Rim::default(); 2]).unwrap();
+    agrees(&prism, [13.5, 13.5, 2.5], 31, |[x, y, z]| depth([x, y]).max(-z).max(z - 2.0));
+    let names: Vec<String> = Program::compile(&prism).unwrap().face_names().collect();
+    for name in ["contour0.edge1.", "contour3.arc2.", "contour2.", "ends.z+"] {
+        assert!(names.iter().any(|own| own.starts_with(name)), "{name}");
+    }
+    // the same plate beside the axis
+    let moved: Vec<Vec<Vertex>> = contours
+        .iter()
+        .map(|contour| contour.iter().map(|v| Vertex { at: [v.at[0] + 20.0, v.at[1]], ..*v }).collect())
+        .collect();
+    let ring = Outline::new(&moved).unwrap().revolve(0.0, 360.0).unwrap();
+    agrees(&ring, [34.0, 34.0, 14.0], 32, |[x, y, z]| depth([libm::hypot(x, y) - 20.0, z]));
+}
+
+/// A turned part of a profile with thousands of edges.
+#[test]
+fn revolved_profiles_of_many_edges() {
+    let radius = |k: u32| 5.0 + f64::from((k * 7919) % 13) / 13.0;
+    let n = 2000;
+    let mut profile: Vec<[f64; 2]> = (0..=n).map(|k| [radius(k), 0.01 * f64::from(k)]).collect();
+    profile.extend([[0.0, 0.01 * f64::from(n)], [0.0, 0.0]]);
+    let part = Outline::new(&[rounded(&profile, Corner::Sharp)]).unwrap().revolve(0.0, 360.0).unwrap();
+    agrees(&part, [7.0, 7.0, 21.0], 33, |[x, y, z]| {
+        let k = (z / 0.01).floor().clamp(0.0, f64::from(n - 1)) as u32;
+        let part = z / 0.01 - f64::from(k);
+        let wall = radius(k) + part * (radius(k + 1) - radius(k));
+        (libm::hypot(x, y) - wall).max(-z).max(z - 20.0)
+    });
+    let program = Program::compile(&part).unwrap();
+    let boxes = program.matters(&program.prototypes()[0]);
+    let around = boxes.iter().filter(|own| own.contains([5.3, 0.0, 7.777].into())).count();
+    assert!(around < 100, "{around} surfaces matter at one point");
+}

@@ -110,6 +110,73 @@ fn prisms_agree_with_lines() {
     }
 }
 
+/// Prisms whose formula is divided into cells: the answers are those of lines in the plane, which know no cells, also for lines
+/// through corners and along edges.
+#[test]
+fn prisms_of_many_edges_agree_with_lines() {
+    let mut rng = ChaCha8Rng::seed_from_u64(16);
+    let mut star = |n: u32, inner: f64, outer: f64| -> Vec<Lattice> {
+        let corner = |k: u32| {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(k) / f64::from(n));
+            let radius = rng.random_range(inner..outer);
+            [cos, sin].map(|x| (radius * x).round() as i64)
+        };
+        (0..n).map(corner).collect()
+    };
+    let mut hole = star(150, 300.0, 600.0);
+    hole.reverse();
+    let mut steps: Vec<Lattice> = (0..200).flat_map(|k| [[k, k], [k + 1, k]]).collect();
+    steps.push([-40, 200]);
+    let mut rng = ChaCha8Rng::seed_from_u64(17);
+    for contours in [vec![star(600, 700.0, 3000.0), hole], vec![steps]] {
+        let region = region(&contours, Side::Outside).unwrap();
+        let program = Program::compile(&region.extrude(-1.0, 2.5).unwrap()).unwrap();
+        let weave = Weave::new(Arc::new(program));
+        let mut rays = 0;
+        for _ in 0..20 {
+            for (p, q) in lines(&mut rng, &contours) {
+                let w = perturbation_direction::<3>();
+                let differs = |w: Point| (q[0] - p[0]) as f64 * w[1] > (q[1] - p[1]) as f64 * w[0];
+                if differs(perturbation_direction::<2>()) != differs([w[0], w[1]]) {
+                    continue;
+                }
+                let (origin, direction) = (p.map(|x| x as f64), [q[0] - p[0], q[1] - p[1]].map(|x| x as f64));
+                let traced = region.trace(origin, direction).unwrap();
+                let ray =
+                    Ray::new([origin[0], origin[1], 0.5].into(), [direction[0], direction[1], 0.0].into());
+                let answer = weave.one(ray, &Query::default()).unwrap();
+                let times: Vec<f64> = answer.of(0).iter().map(|c| c.t).collect();
+                assert_eq!(traced.roots().len(), times.len(), "{p:?} {q:?} {traced} {times:?}");
+                let near = |(a, b): (f64, &f64)| (a - b).abs() <= 1e-10 * (1.0 + b.abs());
+                assert!(traced.times().zip(&times).all(near), "{p:?} {q:?} {traced} {times:?}");
+                rays += 1;
+            }
+        }
+        assert!(rays > 50, "{rays}");
+    }
+}
+
+/// A point lies in the boxes of few half-spaces of a prism, however many it has.
+#[test]
+fn half_spaces_matter_near_their_edges() {
+    for n in [300, 20_000] {
+        let corner = |k: u32| {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(k) / f64::from(n));
+            let radius = 5.0 + 0.5 * f64::from((k * 7919) % 11) / 11.0;
+            [radius * cos, radius * sin]
+        };
+        let star: Vec<Point> = (0..n).map(corner).collect();
+        let region = from_polygons(&[star], Side::Outside).unwrap();
+        let program = Program::compile(&region.extrude(0.0, 1.0).unwrap()).unwrap();
+        let boxes = program.matters(&program.prototypes()[0]);
+        for at in [[0.0, 0.0], [5.2, 0.0], [3.7, 3.7], [-4.0, 1.0], [0.1, -5.3]] {
+            let is_around = |own: &&rayweave_math::Bounds| own.contains([at[0], at[1], 0.5].into());
+            let around = boxes.iter().filter(is_around).count();
+            assert!(around < 200, "{n} edges: {around} half-spaces matter at {at:?}");
+        }
+    }
+}
+
 #[test]
 fn scan_lines_agree_with_single_lines() {
     let mut rng = ChaCha8Rng::seed_from_u64(14);

@@ -213,8 +213,8 @@ pub mod math {
 /// Solids, programs and queries. The building blocks of evaluators are in [`rayweave_model`].
 pub mod model {
     pub use rayweave_model::{
-        ApproximateColumns, ApproximateEvaluator, BadRay, Collected, CompileError, CompileProblem, Copies,
-        Crossing, CrossingColumns, Evaluator, Face, FirstHits, HitArrayRows, Leaf, LeafFacet, LeafId,
+        ApproximateColumns, ApproximateEvaluator, BadPoint, BadRay, Collected, CompileError, CompileProblem,
+        Copies, Crossing, CrossingColumns, Evaluator, Face, FirstHits, HitArrayRows, Leaf, LeafFacet, LeafId,
         LeafKind, Limit, Medium, Node, Occurrence, OccurrencePath, PathStep, Place, PlacementId, Program,
         Prototype, PrototypeId, Query, RayAnswer, RayBatch, Rays, Region, RegionId, RegionInfo, Sink, Solid,
         SurfaceEntry, SurfaceId, Window, WindowError, attributes, drive, memory, plain, simplify,

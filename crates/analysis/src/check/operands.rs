@@ -1,10 +1,10 @@
 //! Checks for operands without effect and for suspicious meshes.
 
-use super::probe::{FEW, Probe};
+use super::probe::{FEW, Probe, leaves_of, rays_of};
 use super::share::Outcome;
 use super::{Finding, FindingKind};
 use crate::AnalysisError;
-use rayweave_math::Affine;
+use rayweave_math::{Affine, Bounds};
 use rayweave_model::{Evaluator, Node, Program, Region, Solid};
 use rayweave_polygon::is_outline_part;
 use rayweave_shape::primitive::Primitive;
@@ -69,9 +69,13 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         match node {
             Node::Union(all) => self.union(all, map),
             Node::Intersection(all) => self.intersection(all, map),
-            Node::Difference(a, b) => united(b)
-                .iter()
-                .try_for_each(|hole| self.operand(hole, || a & hole, map, "takes nothing from")),
+            Node::Difference(a, b) => {
+                let size = leaves_of(a);
+                united(b).iter().try_for_each(|hole| {
+                    let size = size.saturating_add(leaves_of(hole));
+                    self.operand(hole, size, || a & hole, map, "takes nothing from")
+                })
+            }
             _ => Ok(()),
         }
     }
@@ -85,10 +89,16 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         }
         let boxes = all.iter().map(|own| Ok(Program::compile(own)?.bounds()));
         let boxes = boxes.collect::<Result<Vec<_>, AnalysisError>>()?;
+        let sizes: Vec<u64> = all.iter().map(leaves_of).collect();
+        let row = Row::new(&boxes);
         for (k, own) in all.iter().enumerate() {
-            let meets = |j: &usize| *j != k && !boxes[k].intersection(&boxes[*j]).is_empty();
-            let others = || Solid::union((0..all.len()).filter(meets).map(|j| all[j].clone()));
-            self.operand(own, || own - &others(), map, "adds nothing to")?;
+            if self.is_full() {
+                return self.leave_out(all.len() - k);
+            }
+            let others = row.around(&boxes, k);
+            let size = others.iter().map(|&j| sizes[j]).fold(sizes[k], u64::saturating_add);
+            let effect = || own - &Solid::union(others.iter().map(|&j| all[j].clone()));
+            self.operand(own, size, effect, map, "adds nothing to")?;
         }
         Ok(())
     }
@@ -100,9 +110,10 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
             many if many > MAX_INTERSECTED => return self.leave_out(many),
             _ => {}
         }
+        let size = all.iter().map(leaves_of).fold(0, u64::saturating_add);
         for (k, own) in all.iter().enumerate() {
             let others = || Solid::intersection((0..all.len()).filter(|&j| j != k).map(|j| all[j].clone()));
-            self.operand(own, || &others() - own, map, "takes nothing from")?;
+            self.operand(own, size, || &others() - own, map, "takes nothing from")?;
         }
         Ok(())
     }
@@ -116,10 +127,11 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         Ok(())
     }
 
-    /// Checks one operand; `effect` is the part of space that it changes.
+    /// Checks one operand; `effect` is the part of space that it changes, and `leaves` its number of leaves.
     fn operand(
         &mut self,
         own: &Solid,
+        leaves: u64,
         effect: impl Fn() -> Solid,
         map: &Affine,
         what: &str,
@@ -128,7 +140,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         if matches!(own.node(), Node::Named(name, _) if is_outline_part(name)) {
             return Ok(());
         }
-        if self.is_full() {
+        if self.is_full() || !self.probe.affords(|probe| &mut probe.in_operands, rays_of(2 * FEW), leaves) {
             return self.leave_out(1);
         }
         self.probe.scope.operands += 1;
@@ -163,6 +175,36 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
             let finding = Finding::new(FindingKind::Mesh, &[self.region], text);
             self.found.push(Finding { is_proved: true, ..finding });
         }
+    }
+}
+
+/// Boxes in the order of their lower ends along x.
+struct Row {
+    order: Vec<usize>,
+    starts: Vec<f64>,
+    /// The largest width along x.
+    width: f64,
+}
+
+impl Row {
+    fn new(boxes: &[Bounds]) -> Row {
+        let mut order: Vec<usize> = (0..boxes.len()).collect();
+        order.sort_by(|&a, &b| boxes[a].lo.x.total_cmp(&boxes[b].lo.x));
+        let starts = order.iter().map(|&k| boxes[k].lo.x).collect();
+        let width = boxes.iter().map(|own| own.hi.x - own.lo.x).fold(0.0, f64::max);
+        Row { order, starts, width }
+    }
+
+    /// The boxes that overlap box `k`, in the given order.
+    fn around(&self, boxes: &[Bounds], k: usize) -> Vec<usize> {
+        // twice the width: the difference is rounded
+        let from = self.starts.partition_point(|&x| x < boxes[k].lo.x - 2.0 * self.width);
+        let to = self.starts.partition_point(|&x| x <= boxes[k].hi.x);
+        let near = self.order[from.min(to)..to].iter().copied();
+        let mut found: Vec<usize> =
+            near.filter(|&j| j != k && !boxes[k].intersection(&boxes[j]).is_empty()).collect();
+        found.sort_unstable();
+        found
     }
 }
 

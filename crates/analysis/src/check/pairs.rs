@@ -1,14 +1,14 @@
 //! Checks for overlaps of regions, and for daughters outside their mothers.
 
 use super::parts::{Part, overlapping_pairs, parts};
-use super::probe::{FEW, Probe};
+use super::probe::{FEW, Probe, VOLUME_RAYS, leaves_of, rays_of};
 use super::share::{Outcome, Thickest};
 use super::subject::Subject;
 use super::{Finding, FindingKind};
 use crate::AnalysisError;
 use rayweave_math::Bounds;
 use rayweave_model::{Evaluator, Solid};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// The intersection of two regions.
 struct Common {
@@ -30,6 +30,12 @@ pub fn overlaps<E: Evaluator>(
     let parts = parts(subject.regions, &subject.boxes)?;
     let mut findings = Vec::new();
     for ((a, b), common) in common(subject, &parts, probe)? {
+        let leaves = [a, b].map(|region| leaves_of(&subject.regions[region].solid));
+        let leaves = leaves[0].saturating_add(leaves[1]);
+        if a != b && !probe.affords(|probe| &mut probe.in_findings, 2 * rays_of(2 * FEW), leaves) {
+            probe.scope.left_out += 1;
+            continue;
+        }
         if a == b || !is_nested(subject, a, b, probe)? {
             findings.push(overlap(subject, a, b, &common, probe)?);
         }
@@ -54,7 +60,12 @@ fn common<E: Evaluator>(
         true => subject.hierarchy.is_some() && a.copy.is_some() && a.copy != b.copy,
         false => !subject.are_kin(a.region, b.region),
     };
-    let met = overlapping_pairs(parts, probe.scope.distance, wanted, probe.settings.most_pairs);
+    let mut met = overlapping_pairs(parts, probe.scope.distance, wanted, probe.settings.most_pairs);
+    let mut sizes: HashMap<usize, u64> = HashMap::new();
+    met.pairs.retain(|&(k, j, _)| {
+        let leaves = [k, j].map(|part| *sizes.entry(part).or_insert_with(|| leaves_of(&parts[part].solid)));
+        probe.affords(|probe| &mut probe.in_pairs, rays_of(FEW), leaves[0].saturating_add(leaves[1]))
+    });
     count(subject, parts, &met, probe);
     let mut found: BTreeMap<(usize, usize), Common> = BTreeMap::new();
     for (k, j, bounds) in met.pairs {
@@ -126,7 +137,9 @@ fn overlap<E: Evaluator>(
             format!("{first} and {second} overlap in {n} places; {second}, the later one, has priority")
         }
     };
-    let volume = match common.solids.len() == common.count {
+    let leaves = common.solids.iter().map(leaves_of).fold(0, u64::saturating_add);
+    let is_complete = common.solids.len() == common.count;
+    let volume = match is_complete && probe.affords(|probe| &mut probe.in_findings, VOLUME_RAYS, leaves) {
         true => probe.volume(&Solid::union(common.solids.iter().cloned()))?,
         false => None,
     };

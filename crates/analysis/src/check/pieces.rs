@@ -8,7 +8,7 @@ use crate::AnalysisError;
 use crate::measure::MeasuredChord;
 use crate::survey::{Faces, Piece};
 use rayweave_model::{Evaluator, Program, RegionId};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::sync::Arc;
 
 /// The contact of two regions.
@@ -173,11 +173,15 @@ fn walls_and_gaps<E: Evaluator>(
 /// Contacts of regions that are not mother and daughter, not known to overlap, and not nested.
 fn contacts(subject: &Subject<'_>, seen: &Seen, known: &[Finding]) -> Vec<Finding> {
     let mut found = Vec::new();
+    let overlaps: HashSet<&[String]> = known
+        .iter()
+        .filter(|finding| finding.kind == FindingKind::Overlap)
+        .map(|finding| finding.regions.as_slice())
+        .collect();
     for ([a, b], contact) in &seen.contacts {
         let (k, j) = (a.index() - 1, b.index() - 1);
         let names = [subject.name(k), subject.name(j)];
-        let is_overlap =
-            known.iter().any(|finding| finding.kind == FindingKind::Overlap && finding.regions == names);
+        let is_overlap = overlaps.contains(&names.map(str::to_owned)[..]);
         let around = |a: usize, b: usize| {
             subject.boxes[a].contains(subject.boxes[b].lo) && subject.boxes[a].contains(subject.boxes[b].hi)
         };

@@ -8,7 +8,7 @@ use crate::measure::{Estimate, MeasureSettings, MeasuredChord, measure};
 use crate::subject::clipped;
 use crate::survey::{Across, Faces, Piece, Survey, survey, thickness_at_middle};
 use rayweave_math::{Bounds, Vec3};
-use rayweave_model::{Evaluator, Program, Region, RegionId, Solid};
+use rayweave_model::{Evaluator, Program, Region, RegionId, Solid, expanded_size};
 use std::sync::Arc;
 
 /// The maximum number of pieces per search that are measured again, the thickest first.
@@ -16,6 +16,22 @@ const MAX_CANDIDATES: usize = 256;
 
 /// Number of cells along an edge of the cross-section of the box of a small part.
 pub const FEW: u32 = 10;
+
+/// The work that all searches of one kind may take: [`MIN_WORK`], and more for each pair of [`CheckSettings::most_pairs`]. It is counted
+/// in rays times leaves that each may cross, and two for the search itself. All pairs of simple parts stay below it; a few thousand
+/// operands of one union that all overlap do not.
+const WORK_PER_PAIR: u64 = 5000;
+const MIN_WORK: u64 = 20_000_000;
+
+/// The most rays of a volume.
+pub const VOLUME_RAYS: u64 = 1 << 16;
+
+/// The most leaves of a solid that are counted.
+const MAX_LEAVES: u64 = 1 << 32;
+
+/// Work of a kind of search, counted before the search, so that it does not depend on which searches run here.
+#[derive(Default)]
+pub struct Spent(u64);
 
 /// Traces rays for the checks, and counts them.
 pub struct Probe<'a, E> {
@@ -32,6 +48,10 @@ pub struct Probe<'a, E> {
     pub next_search: u64,
     /// The stream of random numbers of the independent search that runs, if one does.
     stream: Option<u64>,
+    /// The work of the searches in pairs, of those in operands, and of those that examine what they found.
+    pub in_pairs: Spent,
+    pub in_operands: Spent,
+    pub in_findings: Spent,
 }
 
 /// The number of random streams before those of independent searches: other searches are counted from 1.
@@ -53,7 +73,33 @@ impl<'a, E: Evaluator> Probe<'a, E> {
             ..Scope::default()
         };
         let (work, stream) = (Work::All, None);
-        Probe { make, settings, frame, scope, progress, searches: 0, work, next_search: 0, stream }
+        Probe {
+            make,
+            settings,
+            frame,
+            scope,
+            progress,
+            searches: 0,
+            work,
+            next_search: 0,
+            stream,
+            in_pairs: Spent::default(),
+            in_operands: Spent::default(),
+            in_findings: Spent::default(),
+        }
+    }
+
+    /// True if there is enough left of the work of a kind for this many rays through solids with this many leaves, which then counts
+    /// as done.
+    pub fn affords(&mut self, kind: impl Fn(&mut Self) -> &mut Spent, rays: u64, leaves: u64) -> bool {
+        let most = WORK_PER_PAIR.saturating_mul(self.settings.most_pairs as u64).saturating_add(MIN_WORK);
+        let spent = kind(self);
+        let sum = spent.0.saturating_add(rays.saturating_mul(leaves.saturating_add(2)));
+        let is_enough = sum <= most;
+        if is_enough {
+            spent.0 = sum;
+        }
+        is_enough
     }
 
     /// Runs an independent search, which calls [`survey`](Self::survey) at most once, or takes its result from elsewhere. Its random
@@ -159,7 +205,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         let settings = MeasureSettings {
             precision: 0.02,
             confidence: self.settings.confidence,
-            most_rays: 1 << 16,
+            most_rays: VOLUME_RAYS,
             seed: self.settings.seed,
             threads: self.settings.threads,
             cancel: self.settings.cancel.clone(),
@@ -169,6 +215,16 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         self.scope.rays += measured.rays;
         Ok(Some(measured.regions[0].volume))
     }
+}
+
+/// The number of rays of a survey.
+pub fn rays_of(across: u32) -> u64 {
+    6 * u64::from(across) * u64::from(across)
+}
+
+/// The number of leaves of a solid.
+pub fn leaves_of(solid: &Solid) -> u64 {
+    expanded_size(solid, MAX_LEAVES)
 }
 
 /// The thickest piece, measured along several directions.

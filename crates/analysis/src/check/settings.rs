@@ -18,7 +18,8 @@ pub struct CheckSettings {
     pub across: u32,
     /// The level of confidence of volumes.
     pub confidence: f64,
-    /// The maximum number of pairs of parts, and of operands.
+    /// The maximum number of pairs of parts, and of operands. The work on both grows with it: 20 million and 5,000 per pair, in rays
+    /// times leaves that each may cross. Pairs and operands beyond that are left out, and further findings have no volume.
     pub most_pairs: usize,
     /// Restricts the check to this box.
     pub within: Option<Bounds>,

@@ -204,6 +204,24 @@ fn unions_of_many() {
     assert_eq!((few.operands, few.operands_left_out, few.left_out), (7, 194, report.scope.pairs - 7));
 }
 
+/// Operands that all overlap: without a limit of the work, the check would compile and trace each of them with all others.
+#[test]
+fn the_work_on_overlapping_operands_is_limited() {
+    let names: Vec<String> = (0..1500).map(|k| format!("s{k}")).collect();
+    let solid = |(k, name): (usize, &String)| {
+        format!(
+            "[solid.{name}]\nsphere = {{ radius = 2 }}\ntransform = [{{ translate = [{}, 0, 0] }}]\n",
+            1e-3 * k as f64
+        )
+    };
+    let text: String = names.iter().enumerate().map(solid).collect();
+    let text = format!("{text}[solid.row]\nexpr = \"{}\"\n[[region]]\nsolid = \"row\"", names.join(" | "));
+    let settings = CheckSettings { across: 4, most_pairs: 1500, ..CheckSettings::default() };
+    let scope = checked(&text, &settings).scope;
+    assert_eq!(scope.operands + scope.operands_left_out, 1500);
+    assert!(scope.operands < 100, "{}", scope.operands);
+}
+
 const DETECTOR: &str = r#"<?xml version="1.0"?>
 <gdml>
  <define><position name="p" x="40" unit="mm"/><position name="q" x="-20" unit="mm"/><position name="r" x="-25" unit="mm"/></define>

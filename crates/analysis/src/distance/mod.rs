@@ -129,7 +129,7 @@ impl DistanceField {
         Ok(DistanceField { field, most_cells: settings.most_cells })
     }
 
-    /// The distance of a point, whose coordinates must be finite.
+    /// The distance of a point, whose coordinates must be finite; the answer for another point is arbitrary.
     pub fn distance(&self, point: Vec3) -> Distance {
         if let Some(is_inside) = self.field.tree.constant() {
             let (lower, upper) = (f64::INFINITY, f64::INFINITY);
@@ -160,8 +160,12 @@ impl DistanceField {
     /// Bounds of the distances of many points, in their order.
     ///
     /// # Errors
-    /// [`Cancelled`].
-    pub fn distances(&self, points: &[Vec3], run: &DistanceRun) -> Result<Vec<Distance>, Cancelled> {
+    /// [`AnalysisError::Value`] for a point whose coordinates are not finite, and [`AnalysisError::Cancelled`].
+    pub fn distances(&self, points: &[Vec3], run: &DistanceRun) -> Result<Vec<Distance>, AnalysisError> {
+        if let Some((index, point)) = points.iter().enumerate().find(|(_, point)| !point.is_finite()) {
+            let message = Message::new(format!("point {index} is {point}"), "its coordinates must be finite");
+            return Err(AnalysisError::Value(message));
+        }
         let tasks = (0..points.len())
             .step_by(POINTS_PER_TASK)
             .map(|first| first..points.len().min(first + POINTS_PER_TASK));
@@ -175,7 +179,7 @@ impl DistanceField {
         };
         drive(thread_count(run.threads), &run.cancel, tasks, || (), work, merge).map_err(|stopped| {
             match stopped {
-                Stopped::Cancelled => Cancelled,
+                Stopped::Cancelled => AnalysisError::from(Cancelled),
                 Stopped::Failed(never) => match never {},
             }
         })?;

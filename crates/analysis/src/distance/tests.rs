@@ -270,5 +270,10 @@ fn bounds_without_effort() {
     assert!(hasty.iter().any(|answer| !answer.is_exact));
     let cancel = Cancel::new();
     cancel.cancel();
-    assert_eq!(full.distances(&points, &DistanceRun { cancel, ..DistanceRun::default() }), Err(Cancelled));
+    let cancelled = full.distances(&points, &DistanceRun { cancel, ..DistanceRun::default() }).unwrap_err();
+    assert!(matches!(cancelled, AnalysisError::Cancelled(_)), "{cancelled}");
+    let mut bad = points.clone();
+    bad[3].y = f64::NAN;
+    let error = full.distances(&bad, &one).unwrap_err().to_string();
+    assert!(error.starts_with("point 3 is [") && error.contains("must be finite"), "{error}");
 }

@@ -10,6 +10,7 @@ use rayweave_math::Bounds;
 use rayweave_model::memory::Growth;
 use rayweave_model::{Evaluator, Program, Region, RegionId};
 use rayweave_scene::{Colour, Scene, SceneRegion};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// The division of a section into parts.
@@ -136,26 +137,28 @@ pub(crate) struct Kinds {
 
 impl Kinds {
     fn new(scene: &Scene, regions: &[Region], by: By) -> Kinds {
+        let media = scene.medium_names();
+        let mut last: HashMap<&str, &SceneRegion> = HashMap::new();
+        last.extend(scene.regions.iter().map(|own| (own.name.as_str(), own)));
+        let named = |region: &Region, k: usize| {
+            let of_medium = media.get(region.medium as usize).map(|name| (*name).to_owned());
+            let name = of_medium.filter(|_| by == By::Medium).unwrap_or_else(|| region.name.clone());
+            let own = scene.regions.get(k).filter(|own| own.name == region.name);
+            let own = own.or_else(|| last.get(region.name.as_str()).copied());
+            (name, own.map_or(Colour::PALETTE[k % Colour::PALETTE.len()], |own| own.colour))
+        };
         let mut kinds = Kinds { of: Vec::new(), names: Vec::new() };
-        let mut known = std::collections::HashMap::new();
+        let mut known = HashMap::new();
         for (k, region) in regions.iter().enumerate() {
             let key = if by == By::Medium { region.medium as usize } else { k };
             let next = kinds.names.len() as u32 + 1;
             let number = *known.entry(key).or_insert(next);
             if number == next {
-                kinds.names.push(Kinds::name(scene, region, k, by));
+                kinds.names.push(named(region, k));
             }
             kinds.of.push(number);
         }
         kinds
-    }
-
-    fn name(scene: &Scene, region: &Region, k: usize, by: By) -> (String, Colour) {
-        let of_medium = scene.medium_names().get(region.medium as usize).map(|name| (*name).to_owned());
-        let name = of_medium.filter(|_| by == By::Medium).unwrap_or_else(|| region.name.clone());
-        let same = |own: &&SceneRegion| own.name == region.name;
-        let own = scene.regions.get(k).filter(same).or_else(|| scene.regions.iter().rfind(same));
-        (name, own.map_or(Colour::PALETTE[k % Colour::PALETTE.len()], |own| own.colour))
     }
 
     fn number(&self, region: RegionId) -> RegionId {
@@ -222,8 +225,16 @@ impl<E: Evaluator> Cutter<'_, E> {
     }
 
     fn parts(&self, found: &Section) -> Vec<SectionPart> {
+        // the edges of each part, in their order: searching all edges for each part takes parts times edges
+        let mut own: Vec<Vec<u32>> = vec![Vec::new(); self.kinds.names.len() + 1];
+        for (k, edge) in (0..).zip(&found.edges) {
+            own[edge.left.index()].push(k);
+            own[edge.right.index()].push(k);
+        }
         let part = |(number, (name, colour)): (u32, &(String, Colour))| {
             let number = RegionId(number);
+            let edges = own[number.index()].iter().map(|&k| found.edges[k as usize].clone()).collect();
+            let found = Section { edges };
             SectionPart {
                 name: name.clone(),
                 colour: *colour,

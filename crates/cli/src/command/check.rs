@@ -69,11 +69,11 @@ pub struct Check {
     within: WithinArguments,
 
     /// Cells along each edge of a cross-section of the model; each cell gets one ray
-    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(2..=4096))]
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = crate::arguments::count::<u32, 2, 4096>)]
     cells: u32,
 
-    /// Maximum number of pairs of parts, and of operands, to examine
-    #[arg(long, value_name = "N", default_value_t = 20_000)]
+    /// Maximum number of pairs of parts, and of operands, to examine; fewer of them if they are large
+    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = crate::arguments::any_count::<usize>)]
     pairs: usize,
 
     #[command(flatten)]
@@ -84,7 +84,7 @@ pub struct Check {
     confidence: f64,
 
     /// Seed of random numbers
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::arguments::any_count::<u64>)]
     seed: u64,
 
     /// Exit with code 1 if there are findings of these kinds, such as overlap,thin; `all` means all kinds except notes
@@ -107,7 +107,7 @@ pub struct Check {
     searches: Option<PathBuf>,
 
     /// Maximum number of findings of each kind to print
-    #[arg(long, value_name = "N", default_value_t = 20)]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = crate::arguments::any_count::<usize>)]
     lines: usize,
 
     /// Print JSON
@@ -216,6 +216,7 @@ impl Check {
             if let Some(section) = finding_section(scene, finding, AnyEvaluator::maker(None), settings)? {
                 let title = title(finding, report);
                 let path = folder.join(format!("{number}-{}.svg", finding.kind.name()));
+                crate::outputs::check_unnamed(&path)?;
                 let unit = report.unit.symbol();
                 let is_thickness = matches!(finding.kind, FindingKind::Thin | FindingKind::Gap);
                 let svg = match (finding.ray, finding.size) {

@@ -60,7 +60,7 @@ pub struct Diff {
     within: WithinArguments,
 
     /// Cells along each edge of a cross-section; each cell gets one ray
-    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(2..=4096))]
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = crate::arguments::count::<u32, 2, 4096>)]
     cells: u32,
 
     /// Relative half-width of the volumes' confidence intervals to reach
@@ -72,11 +72,11 @@ pub struct Diff {
     confidence: f64,
 
     /// Trace at most this many rays for a volume
-    #[arg(long, value_name = "N", default_value_t = 1 << 20)]
+    #[arg(long, value_name = "N", default_value_t = 1 << 20, value_parser = crate::arguments::any_count::<u64>)]
     rays: u64,
 
     /// Seed of random numbers
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::arguments::any_count::<u64>)]
     seed: u64,
 
     /// Picture of the thickest difference, cut open: .svg, .pdf, .png or .jpg

@@ -37,11 +37,11 @@ pub struct Info {
     explain: bool,
 
     /// Maximum depth of the printed tree
-    #[arg(long, value_name = "N", default_value_t = 12)]
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = crate::arguments::any_count::<usize>)]
     depth: usize,
 
     /// Maximum number of lines of the tree and of the list of pruned parts
-    #[arg(long, value_name = "N", default_value_t = 200)]
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = crate::arguments::any_count::<usize>)]
     lines: usize,
 }
 

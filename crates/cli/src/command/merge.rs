@@ -37,7 +37,7 @@ pub struct Merge {
 
     /// Print the ranges of 0:TOTAL that no complete part covers, one per line, instead of merging; absent and damaged files count as
     /// missing
-    #[arg(long, value_name = "TOTAL", conflicts_with = "out")]
+    #[arg(long, value_name = "TOTAL", conflicts_with = "out", value_parser = crate::arguments::any_count::<u64>)]
     missing: Option<u64>,
 }
 

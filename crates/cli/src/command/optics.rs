@@ -74,7 +74,7 @@ pub struct Optics {
     plane: Option<LayoutPlane>,
 
     /// Approximate number of rays in the drawing [default: 5 for each field of a lens file, else 27]
-    #[arg(long, value_name = "N", requires = "layout")]
+    #[arg(long, value_name = "N", requires = "layout", value_parser = crate::arguments::any_count::<usize>)]
     rays: Option<usize>,
 
     /// Meaning of the colours of the rays [default: the source of a lens file, which is its field, else the wavelength]
@@ -94,7 +94,7 @@ pub struct Optics {
     detector: Option<String>,
 
     /// Maximum number of cells along each side of the map
-    #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u16).range(1..=512))]
+    #[arg(long, value_name = "N", default_value_t = 96, value_parser = crate::arguments::count::<u16, 1, 512>)]
     bins: u16,
 
     /// Table of light paths: the elements along each path, reflections (ghosts), number of rays and power
@@ -110,7 +110,7 @@ pub struct Optics {
     polarised: bool,
 
     /// Seed of random choices [default: as in the model]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = crate::arguments::any_count::<u64>)]
     seed: Option<u64>,
 
     #[command(flatten)]

@@ -42,7 +42,7 @@ pub struct PhotonCompare {
     hits: bool,
 
     /// Number of bins to print for each quantity: those with the largest differences
-    #[arg(long, value_name = "N", default_value_t = 5)]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = crate::arguments::any_count::<usize>)]
     bins: usize,
 
     /// Print JSON, with all bins

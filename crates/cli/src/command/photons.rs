@@ -68,11 +68,11 @@ pub struct Simulation {
     part: PartArguments,
 
     /// Number of the event: photons of different events have different random numbers
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::arguments::any_count::<u32>)]
     event: u32,
 
     /// Seed of all random numbers
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::arguments::any_count::<u64>)]
     seed: u64,
 
     /// Rule of detection: absorption at a surface with the probability EFFICIENCY, entering a sensitive volume, or both
@@ -83,7 +83,7 @@ pub struct Simulation {
     tables: SurfaceTableArguments,
 
     /// Maximum number of steps of a photon
-    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = crate::arguments::any_count::<u32>)]
     max_steps: u32,
 
     /// Maximum time of a photon, in ns
@@ -117,7 +117,7 @@ pub struct Simulation {
     plane: Option<LayoutPlane>,
 
     /// Number of photons in the drawing of tracks
-    #[arg(long, value_name = "N", requires = "draw", default_value_t = 100)]
+    #[arg(long, value_name = "N", requires = "draw", default_value_t = 100, value_parser = crate::arguments::any_count::<u64>)]
     tracks: u64,
 
     /// Maps of the hits of each sensor, .svg, .pdf, .png or .jpg; the first of several is a projection of all sensors
@@ -142,7 +142,7 @@ pub struct Simulation {
     /// A sequence holds 32 flags; a longer history ends with "...". CK Cerenkov, SI scintillation, TO other source, RE re-emission,
     /// SC scattering, BT refraction, BR and SR reflection (dielectric, mirror), DR diffuse reflection; ends: AB absorption in a
     /// volume, SA at a surface, SD detection, MI leaves the model, NA and EX (flags of Opticks that only files have).
-    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "20")]
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "20", value_parser = crate::arguments::any_count::<usize>)]
     sequences: Option<usize>,
 
     /// Print the summary as JSON

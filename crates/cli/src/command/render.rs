@@ -87,7 +87,7 @@ pub struct Render {
     no_shadows: bool,
 
     /// Supersample edge pixels with N x N rays [default: as in the model, else 3]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(RenderOptions::MAX_SAMPLES)))]
+    #[arg(long, value_name = "N", value_parser = crate::arguments::count::<u32, 1, { RenderOptions::MAX_SAMPLES as u64 }>)]
     samples: Option<u32>,
 
     #[command(flatten)]
@@ -276,7 +276,7 @@ impl Render {
         }
         let Some(out) = &self.out else {
             let out = Path::new(self.model.stem()).with_added_extension("png");
-            return crate::outputs::check_default(&out).map(|()| out);
+            return crate::outputs::check_unnamed(&out).map(|()| out);
         };
         if self.sheet().is_some() {
             return drawing::check(out).map(|()| out.clone());

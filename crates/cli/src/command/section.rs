@@ -55,7 +55,7 @@ pub struct Section {
     step: Option<f64>,
 
     /// Number of planes of a stack [default: 10]
-    #[arg(long, value_name = "N", requires = "from", value_parser = clap::value_parser!(u32).range(2..))]
+    #[arg(long, value_name = "N", requires = "from", value_parser = crate::arguments::count::<u32, 2, { u32::MAX as u64 }>)]
     count: Option<u32>,
 
     /// Output file: .svg, .pdf, .png, .jpg, .dxf. May be repeated
@@ -67,7 +67,7 @@ pub struct Section {
     tolerance: Option<f64>,
 
     /// Scan the plane with at least this many columns; parts thinner than the column spacing may be missed
-    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(2..=65536))]
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = crate::arguments::count::<u32, 2, 65536>)]
     columns: u32,
 
     /// Hatch the cut faces in pictures (ISO 128-50): each region in another direction or at another distance. Implies --by-region

@@ -39,7 +39,7 @@ pub struct Volume {
 
     /// Trace about this many rays, one set for all regions, instead of rays until the precision is reached. They are divided into
     /// cells of two rays, at least three; --range counts cells
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(6..=MAX_TOTAL))]
+    #[arg(long, value_name = "N", value_parser = crate::arguments::count::<u64, 6, MAX_TOTAL>)]
     total: Option<u64>,
 
     #[command(flatten)]

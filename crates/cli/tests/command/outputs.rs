@@ -61,6 +61,24 @@ fn files_that_a_model_reads_are_not_overwritten() {
     assert!(said.contains("a file that the model reads"), "{said}");
 }
 
+/// The pictures of `check --pictures` have names that the command line does not name.
+#[test]
+fn pictures_do_not_overwrite_what_the_model_reads() {
+    let bench = Bench::new();
+    let outline = "[solid.a]\nextrude = { file = \"pictures/1-overlap.svg\", height = 4 }\n";
+    let model = format!(
+        "rayweave = 1\n{outline}[solid.b]\nsphere = {{ radius = 2 }}\n[[region]]\nsolid = \"a\"\n[[region]]\nsolid = \"b\"\n"
+    );
+    std::fs::create_dir_all(bench.path("pictures")).unwrap();
+    let drawing = "<svg xmlns=\"http://www.w3.org/2000/svg\"><rect width=\"3\" height=\"3\"/></svg>";
+    bench.write("pictures/1-overlap.svg", drawing);
+    bench.write("two.toml", &model);
+    let said = bench.fails(2, &["check", "two.toml", "--pictures", "pictures"]);
+    assert!(said.contains("1-overlap.svg: it is also a file that the model reads"), "{said}");
+    assert_eq!(std::fs::read_to_string(bench.path("pictures/1-overlap.svg")).unwrap(), drawing);
+    assert!(bench.run(&["check", "two.toml", "--pictures", "others"]).out.contains("picture: others"));
+}
+
 #[test]
 fn outputs_have_names_of_their_own() {
     let bench = photons::bench();
@@ -101,6 +119,23 @@ fn control_characters_and_numbers() {
     assert!(seed.contains("'-1' for '--seed <N>': it must be a whole number from 0"), "{seed}");
     let total = said(&["volume", "ball.toml", "--total", "18446744073709551615"]);
     assert!(total.contains("is not in 6..=68719476736"), "{total}");
+    // every count can be written with an exponent
+    let total = said(&["volume", "ball.toml", "--total", "1e12"]);
+    assert!(total.contains("1000000000000 is not in 6..=68719476736"), "{total}");
+    let part = said(&["volume", "ball.toml", "--seed", "1.5"]);
+    assert!(part.contains("it must be a whole number from 0, as 100000 or 1e5"), "{part}");
+    let same = |arguments: [&[&str]; 2]| assert_eq!(bench.run(arguments[0]).out, bench.run(arguments[1]).out);
+    let volume = ["volume", "ball.toml", "--json"];
+    same(
+        [&["--total", "1e3", "--seed", "1e1", "--threads", "1e0"], &["--total", "1000", "--seed", "10"]]
+            .map(|options| [&volume[..], options].concat())
+            .each_ref()
+            .map(Vec::as_slice),
+    );
+    same([
+        &["section", "ball.toml", "--columns", "1e2", "--json"],
+        &["section", "ball.toml", "--columns", "100", "--json"],
+    ]);
     let folder = bench.fails(1, &["new", "nodir/x.toml"]);
     assert!(folder.contains("the folder nodir does not exist. Create it first."), "{folder}");
 }

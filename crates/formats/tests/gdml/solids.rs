@@ -1,6 +1,6 @@
 //! Every kind of GDML solid, against Geant4.
 
-use super::{model, parse, volume};
+use super::{along, model, parse, volume};
 use rayweave_formats::LossKind;
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, Program, Query, RayBatch, Solid};
@@ -342,5 +342,69 @@ fn twisted_solids_without_a_size_are_refused() {
         "<twistedtrd name=\"s\" PhiTwist=\"1\" x1=\"1\" x2=\"1\" y1=\"1\" y2=\"-1\" z=\"5\"/>",
     ] {
         assert_eq!(one(solid).report.count(LossKind::Refused), 1, "{solid}");
+    }
+}
+
+/// Solids with thousands of planes and corners: a ray along x crosses the radii interpolated between two planes, and the edges of the
+/// scaled polygon. Few surfaces matter at a point, however many the solid has.
+#[test]
+fn solids_of_many_planes_and_corners() {
+    let n = 2000u32;
+    let outer = |k: u32| 20.0 + f64::from((k * 7919) % 13);
+    let inner = |k: u32| 5.0 + f64::from((k * 104_729) % 7);
+    let plane = |k: u32| format!("<zplane z=\"{k}\" rmin=\"{}\" rmax=\"{}\"/>", inner(k), outer(k));
+    let planes: String = (0..=n).map(plane).collect();
+    let point = |r: f64, k: u32| format!("<rzpoint r=\"{r}\" z=\"{k}\"/>");
+    let up: String = (0..=n).map(|k| point(outer(k), k)).collect();
+    let down: String = (0..=n).rev().map(|k| point(inner(k), k)).collect();
+    let corner = |k: u32| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(n)).sin_cos();
+        let radius = 40.0 + f64::from((k * 7919) % 17);
+        [radius * cos, radius * sin]
+    };
+    let star: Vec<[f64; 2]> = (0..n).map(corner).collect();
+    let vertices: String =
+        star.iter().rev().map(|[x, y]| format!("<twoDimVertex x=\"{x:?}\" y=\"{y:?}\"/>")).collect();
+    let section = |order: u32, z: f64, scale: f64| {
+        format!(
+            "<section zOrder=\"{order}\" zPosition=\"{z}\" xOffset=\"0\" yOffset=\"0\" scalingFactor=\"{scale}\"/>"
+        )
+    };
+    let polygon = rayweave_polygon::from_polygons(&[star], rayweave_rootray::Side::Outside).unwrap();
+    let solids = [
+        format!("<polycone name=\"S\" deltaphi=\"360\" aunit=\"deg\">{planes}</polycone>"),
+        format!("<genericPolycone name=\"S\" deltaphi=\"360\" aunit=\"deg\">{up}{down}</genericPolycone>"),
+        format!("<xtru name=\"S\">{vertices}{}{}</xtru>", section(0, 0.0, 1.0), section(1, 2000.0, 3.0)),
+    ];
+    for solid in solids {
+        let world = "<box name=\"W\" x=\"9000\" y=\"9000\" z=\"9000\"/>";
+        let imported = parse(&model(
+            "",
+            &format!("{world}{solid}"),
+            "<volume name=\"V\"><materialref ref=\"Al\"/><solidref ref=\"S\"/></volume>\
+             <volume name=\"World\"><materialref ref=\"Al\"/><solidref ref=\"W\"/><physvol><volumeref ref=\"V\"/></physvol></volume>",
+        ))
+        .unwrap();
+        for z in [0.25f64, 777.5, 1234.125, 1999.75] {
+            let (k, part) = (z as u32, z.fract());
+            let between = |of: &dyn Fn(u32) -> f64| of(k) + part * (of(k + 1) - of(k));
+            let expected: Vec<f64> = if solid.starts_with("<xtru") {
+                let scale = 1.0 + z / 1000.0;
+                polygon.trace([0.0, 0.5 / scale], [1.0, 0.0]).unwrap().times().map(|t| scale * t).collect()
+            } else {
+                let [r, q] = [between(&outer), between(&inner)].map(|r| (r * r - 0.25f64).sqrt());
+                vec![-r, -q, q, r]
+            };
+            let found = along(&imported, [0.0, 0.5, z], [1.0, 0.0, 0.0]);
+            let times: Vec<f64> = found[1..found.len() - 1].iter().map(|(t, _)| *t).collect();
+            assert_eq!(times.len(), expected.len(), "{} z = {z}: {times:?} {expected:?}", &solid[..9]);
+            let near = times.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-9);
+            assert!(near, "{} z = {z}: {times:?} {expected:?}", &solid[..9]);
+        }
+        let regions = imported.scene.model_regions();
+        let program = Program::compile_regions(&regions).unwrap();
+        let boxes = program.matters(&program.prototypes()[0]);
+        let around = boxes.iter().filter(|own| own.contains(Vec3::new(24.0, 0.5, 777.5))).count();
+        assert!(around < 200, "{}: {around} surfaces matter at a point", &solid[..9]);
     }
 }

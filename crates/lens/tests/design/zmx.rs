@@ -342,3 +342,17 @@ fn damaged_files_never_panic() {
     }
     assert!(read > 300 && made > 100, "{read} {made}");
 }
+
+/// A file in which every line is wrong: the message names the first problems, and the number of the others.
+#[test]
+fn many_problems_make_a_short_message() {
+    let lines = "ENPD x\n".repeat(5000);
+    let error = read_zmx(format!("SURF 0\n{lines}").as_bytes()).unwrap_err();
+    assert_eq!(error.problems.len(), 201);
+    let text = error.to_string();
+    let last = text.lines().last().unwrap();
+    assert!(last.contains("line 202") && last.contains("more problems"), "{last}");
+    let unknown: String = (0..3000).map(|k| format!("Q{k} 1\n")).collect();
+    let read = read_zmx(format!("{SINGLET}{unknown}").as_bytes()).unwrap();
+    assert!(read.notes.len() <= 201 && read.notes.last().unwrap().text.contains("more notes"));
+}

@@ -4,6 +4,8 @@ use super::contour::Edge;
 use super::facets::{Prism, Revolution};
 use super::rim::{Rim, cutters};
 use super::{Contour, Outline, OutlineError};
+use crate::cells::MAX_EDGES;
+use crate::prism::box_over;
 use crate::{HalfPlane, Operator, Point, from_polygons};
 use rayweave_math::roots::difference_of_products;
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
@@ -35,10 +37,15 @@ pub(super) fn solid<P: Into<Primitive>>(shape: Result<P, ShapeError>) -> Result<
 trait Sweep {
     fn wall(&self, half_plane: &HalfPlane) -> Result<Solid, OutlineError>;
     fn disc(&self, centre: Point, radius: f64) -> Result<Solid, OutlineError>;
+    /// A bounded solid over a cell of the plane that has all of the solid of the outline there.
+    fn cell(&self, cell: [Point; 2]) -> Result<Solid, OutlineError>;
 }
 
 /// Moved along z, without ends.
-struct Moved;
+struct Moved {
+    /// The lowest and the highest z of the prism.
+    ends: [f64; 2],
+}
 
 /// Revolved about the axis x = 0 of the plane, which becomes the z axis.
 struct Revolved {
@@ -52,8 +59,12 @@ impl Sweep for Moved {
         solid(HalfSpace::new(Vec3::new(x, y, 0.0), half_plane.offset))
     }
 
-    fn disc(&self, [x, y]: Point, radius: f64) -> Result<Solid, OutlineError> {
-        Ok(solid(Cylinder::new(radius, f64::INFINITY))?.translate([x, y, 0.0]))
+    fn disc(&self, centre: Point, radius: f64) -> Result<Solid, OutlineError> {
+        rod(centre, radius)
+    }
+
+    fn cell(&self, cell: [Point; 2]) -> Result<Solid, OutlineError> {
+        solid(box_over(cell, self.ends))
     }
 }
 
@@ -81,13 +92,30 @@ impl Sweep for Revolved {
         };
         Ok(ring.translate([0.0, 0.0, height]))
     }
+
+    /// A box, the sides of which are outside of the outer cylinder; its ends are exactly those of the adjacent cells.
+    fn cell(&self, [lo, hi]: [Point; 2]) -> Result<Solid, OutlineError> {
+        if hi[0] <= 0.0 {
+            return Ok(Solid::empty());
+        }
+        let side = 1.25 * hi[0];
+        let around =
+            solid(BoxFromCorners::new(Vec3::new(-side, -side, lo[1]), Vec3::new(side, side, hi[1])))?;
+        let outer = around & rod([0.0; 2], hi[0])?;
+        Ok(if lo[0] > 0.0 { outer - rod([0.0; 2], lo[0])? } else { outer })
+    }
+}
+
+/// The points within a distance of a vertical axis.
+fn rod([x, y]: Point, radius: f64) -> Result<Solid, OutlineError> {
+    Ok(solid(Cylinder::new(radius, f64::INFINITY))?.translate([x, y, 0.0]))
 }
 
 /// The points with `r < slope z + radius`, where r is the distance from the vertical axis through a point.
 pub(super) fn within([x, y]: Point, slope: f64, radius: f64) -> Result<Solid, OutlineError> {
     if slope == 0.0 {
         return match radius > 0.0 {
-            true => Moved.disc([x, y], radius),
+            true => rod([x, y], radius),
             false => Ok(Solid::empty()),
         };
     }
@@ -147,7 +175,7 @@ impl Outline {
         if size > hi - lo {
             return Err(OutlineError::RimHeight { size, height: hi - lo });
         }
-        let prism = self.swept(&Moved)? & ends.named("ends");
+        let prism = self.swept(&Moved { ends: [lo, hi] })? & ends.named("ends");
         let mut cuts = Vec::new();
         for (rim, up) in rims.into_iter().zip([false, true]) {
             cuts.extend(cutters(self, rim, if up { hi } else { lo }, up)?);
@@ -205,11 +233,20 @@ impl Outline {
 
     /// The region as a set of space.
     fn swept(&self, sweep: &impl Sweep) -> Result<Solid, OutlineError> {
+        let straight = self.contours.iter().filter(|contour| contour.circle.is_none());
+        if straight.map(|contour| contour.edges.len()).sum::<usize>() > MAX_EDGES {
+            return self.swept_by_cells(sweep);
+        }
         let inner: Vec<Solid> =
             (0..).zip(&self.contours).map(|(k, c)| c.swept(k, sweep)).collect::<Result<_, _>>()?;
+        let mut holes: Vec<Vec<Solid>> = vec![Vec::new(); inner.len()];
+        for (contour, solid) in self.contours.iter().zip(&inner).filter(|(contour, _)| !contour.is_island) {
+            if let Some(island) = contour.parent {
+                holes[island].push(solid.clone());
+            }
+        }
         let islands = (0..inner.len()).filter(|k| self.contours[*k].is_island).map(|island| {
-            let is_own = |k: &usize| !self.contours[*k].is_island && self.contours[*k].parent == Some(island);
-            let holes: Vec<Solid> = (0..inner.len()).filter(is_own).map(|k| inner[k].clone()).collect();
+            let holes = std::mem::take(&mut holes[island]);
             match holes.is_empty() {
                 true => inner[island].clone(),
                 false => inner[island].clone() - Solid::union(holes),
@@ -217,6 +254,69 @@ impl Outline {
         });
         let mut islands: Vec<Solid> = islands.collect();
         Ok(if islands.len() == 1 { islands.remove(0) } else { Solid::union(islands) })
+    }
+
+    /// The region as a set of space, with one formula by cells for the chords of all contours: every ray would be intersected with all
+    /// edges otherwise.
+    fn swept_by_cells(&self, sweep: &impl Sweep) -> Result<Solid, OutlineError> {
+        let numbers: Vec<usize> =
+            (0..self.contours.len()).filter(|k| self.contours[*k].circle.is_none()).collect();
+        let is_island: Vec<bool> = numbers.iter().map(|k| self.is_island_without_circles(*k)).collect();
+        let contours = || numbers.iter().map(|k| &self.contours[*k]).zip(&is_island);
+        let points = contours().map(|(contour, is_island)| {
+            let mut points: Vec<Point> = contour.edges.iter().map(|edge| edge.from).collect();
+            if !is_island {
+                points.reverse();
+            }
+            points
+        });
+        let chords = from_polygons(&points.collect::<Vec<_>>(), Side::Outside).map_err(|error| {
+            let origins = contours().map(|(contour, is_island)| {
+                let mut origins: Vec<usize> = contour.edges.iter().map(|edge| edge.origin).collect();
+                if !is_island {
+                    origins.reverse();
+                }
+                origins
+            });
+            OutlineError::of_polygons(error, &origins.collect::<Vec<_>>())
+        })?;
+        let name =
+            |index: usize, kind: &str, origin: usize| format!("contour{}.{kind}{origin}", numbers[index]);
+        let wall = |half: HalfPlane| {
+            let edge = chords.edge(half.edge);
+            let edges = &self.contours[numbers[edge.contour]].edges;
+            let from = if is_island[edge.contour] { edge.from } else { edges.len() - 1 - edge.to };
+            Ok(sweep.wall(&half)?.named(&name(edge.contour, "edge", edges[from].origin)))
+        };
+        let cell = |cell| Ok(sweep.cell(cell)?.named("contour.cell"));
+        let join = |operator: Operator, parts: Vec<Result<Solid, OutlineError>>| {
+            Ok(operator.solid(parts.into_iter().collect::<Result<_, _>>()?))
+        };
+        let polygons = chords.fold_by_cells(wall, cell, join)?;
+        let (mut added, mut removed) = (vec![polygons], Vec::new());
+        for (index, (contour, is_island)) in contours().enumerate() {
+            for edge in &contour.edges {
+                let Some(arc) = edge.arc else { continue };
+                let wall = sweep.wall(&half_plane_of(edge))?.named(&name(index, "edge", edge.origin));
+                let disc = sweep.disc(arc.centre, arc.radius)?.named(&name(index, "arc", edge.origin));
+                let segment = if arc.is_ccw { disc - wall } else { disc & wall };
+                if arc.is_ccw == *is_island { added.push(segment) } else { removed.push(segment) }
+            }
+        }
+        let whole = if added.len() == 1 { added.remove(0) } else { Solid::union(added) };
+        let whole = if removed.is_empty() { whole } else { whole - Solid::union(removed) };
+        let circles = self.contours.iter().enumerate().filter_map(|(k, contour)| Some((k, contour.circle?)));
+        let mut odd = vec![whole];
+        for (k, (centre, radius)) in circles {
+            odd.push(sweep.disc(centre, radius)?.named(&format!("contour{k}")));
+        }
+        Ok(if odd.len() == 1 { odd.remove(0) } else { Solid::symmetric_difference(odd) })
+    }
+
+    /// True for a contour within an even number of contours that are not circles.
+    fn is_island_without_circles(&self, contour: usize) -> bool {
+        let around = std::iter::successors(self.contours[contour].parent, |k| self.contours[*k].parent);
+        around.filter(|k| self.contours[*k].circle.is_none()).count() % 2 == 0
     }
 }
 
@@ -242,12 +342,7 @@ impl Contour {
             walls[index] = Some(wall.clone());
             wall
         };
-        let polygon = chords.fold(wall, |operator, parts| match operator {
-            Operator::Intersection => Solid::intersection(parts),
-            Operator::Union => Solid::union(parts),
-            Operator::SymmetricDifference => Solid::symmetric_difference(parts),
-            Operator::Complement => !Solid::union(parts),
-        });
+        let polygon = chords.fold(wall, Operator::solid);
         if let Some(error) = problem {
             return Err(error);
         }

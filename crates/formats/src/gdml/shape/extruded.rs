@@ -68,8 +68,9 @@ impl Layer {
             }),
         };
         let ends = [[0.0, 0.0, -1.0, -self.low.z], [0.0, 0.0, 1.0, self.high.z]];
-        let part = polygon.fold(
+        let part = polygon.fold_by_cells(
             |half_plane| Part::Planes(vec![self.plane(half_plane)]),
+            |cell| Part::Planes([&self.sides(cell)[..], &ends].concat()),
             |operator, parts| joined(operator, parts, &mut solid),
         );
         let made = match part {
@@ -88,6 +89,18 @@ impl Layer {
         };
         let slope = (value(high) - value(low)) / height;
         [normal[0], normal[1], -slope, value(low) - slope * low.z]
+    }
+
+    /// The planes over the sides of a rectangle.
+    fn sides(&self, [lo, hi]: [[f64; 2]; 2]) -> [[f64; 4]; 4] {
+        let plane = |normal, offset| self.plane(HalfPlane { normal, offset, edge: 0 });
+        [
+            plane([1.0, 0.0], hi[0]),
+            plane([0.0, 1.0], hi[1]),
+            // the planes of adjacent rectangles differ in sign only
+            plane([-1.0, 0.0], -lo[0]),
+            plane([0.0, -1.0], -lo[1]),
+        ]
     }
 
     /// A box that ends with the layer in z, and whose sides lie outside of the solid.

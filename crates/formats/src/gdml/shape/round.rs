@@ -4,6 +4,7 @@ use super::{Made, Phi, loose_box, of, union_of};
 use crate::gdml::attributes::{Failure, refused};
 use rayweave_math::{Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
+use rayweave_polygon::{Corner, Outline, Vertex};
 use rayweave_shape::primitive::{
     Cone, Cylinder, Ellipsoid, HalfSpace, Paraboloid, Quadric, Slab, Sphere, Torus, Tube,
 };
@@ -74,11 +75,26 @@ fn section(a: ZPlane, b: ZPlane) -> Result<Option<Solid>, Failure> {
     })
 }
 
+/// The number of corners above which a polygon is revolved as an outline: rays are intersected with the few edges near them.
+const MANY: usize = 256;
+
+/// A simple polygon of vertices (r, z), revolved about the z axis; `None` for polygons that cross or touch themselves.
+fn turned(corners: &[[f64; 2]]) -> Option<Solid> {
+    let corner = |at: &[f64; 2]| Vertex { at: *at, bulge: 0.0, corner: Corner::Sharp };
+    let outline = Outline::new(&[corners.iter().map(corner).collect()]).ok()?;
+    outline.revolve(0.0, 360.0).ok()
+}
+
 /// `G4Polycone` from z planes; two planes at one height make a step. If z is not monotonic, the polygon of the radii is
 /// revolved.
 pub(in crate::gdml) fn polycone(planes: &[ZPlane], phi: Phi) -> Made {
     if !in_order(planes) {
         return generic_polycone(&outline(planes), phi);
+    }
+    if planes.len() > MANY
+        && let Some(turned) = turned(&outline(planes))
+    {
+        return phi.cut(turned);
     }
     let mut sections = Vec::new();
     for pair in planes.windows(2) {
@@ -107,6 +123,11 @@ pub(super) fn outline(planes: &[ZPlane]) -> Vec<[f64; 2]> {
 pub(in crate::gdml) fn generic_polycone(corners: &[[f64; 2]], phi: Phi) -> Made {
     if corners.iter().any(|[r, _]| *r < 0.0) {
         return refused("a radius is negative");
+    }
+    if corners.len() > MANY
+        && let Some(turned) = turned(corners)
+    {
+        return phi.cut(turned);
     }
     let mut frusta = Vec::new();
     for ([r1, z1], [r2, z2]) in edges(corners) {

@@ -26,7 +26,7 @@ pub struct Read {
     pub notes: Vec<FileProblem>,
 }
 
-/// All problems of a file, in the order of its lines.
+/// The problems of a file, in the order of its lines; at most 200, and one about the rest.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", problems.iter().map(FileProblem::to_string).collect::<Vec<_>>().join("\n"))]
 pub struct ZmxError {
@@ -38,6 +38,19 @@ impl Classified for ZmxError {
     fn kind(&self) -> ErrorKind {
         ErrorKind::Input
     }
+}
+
+/// The maximum number of reported problems, and of notes. More indicate a file in a different format.
+const MAX_PROBLEMS: usize = 200;
+
+/// Cuts a list of problems, sorted by line, to [`MAX_PROBLEMS`] and one about the others.
+fn limited(mut problems: Vec<FileProblem>, what: &str) -> Vec<FileProblem> {
+    if let Some(rest) = problems.len().checked_sub(MAX_PROBLEMS).filter(|rest| *rest > 0) {
+        let line = problems[MAX_PROBLEMS].line;
+        problems.truncate(MAX_PROBLEMS);
+        problems.push(FileProblem { line, text: format!("from here on there are {rest} more {what}.") });
+    }
+    problems
 }
 
 /// Reads a Zemax file in UTF-16, UTF-8 or Latin-1.
@@ -194,7 +207,7 @@ impl Reader {
             text: format!("{keyword} is ignored{}", also_on(&lines[1..])),
         }));
         notes.sort_by_key(|note| note.line);
-        notes
+        limited(notes, "notes")
     }
 
     /// Reads a system keyword; false if it is not one.
@@ -376,7 +389,7 @@ impl Reader {
             }
             _ => {
                 self.problems.sort_by_key(|problem| problem.line);
-                Err(ZmxError { problems: self.problems })
+                Err(ZmxError { problems: limited(self.problems, "problems") })
             }
         }
     }
