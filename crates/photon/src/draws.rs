@@ -1,5 +1,4 @@
-//! The first random numbers of a step for all photons of a batch, and random directions of new photons, eight photons at a
-//! time.
+//! The first random numbers of the steps of a batch of photons, and random directions of new photons, eight photons at a time.
 //!
 //! They are those of [`Stream`], bit for bit. The loops over eight lanes are compiled for the instruction set of the
 //! processor.
@@ -15,36 +14,43 @@ use rayweave_shape::lanes::{Lanes, Mask, Vec3Lanes, splat};
 const LANES: usize = 8;
 
 /// A word of each of eight photons, in the lower half.
-type Words = [u64; LANES];
+pub(crate) type Words = [u64; LANES];
 
 /// The first random numbers of the photons of a batch in their next steps.
 #[derive(Debug)]
 pub(crate) struct Draws {
     level: Level,
-    /// Two exponentially distributed numbers of each photon, for its free paths.
+    /// Two uniform numbers of each photon, for its free paths.
     paths: Vec<[f64; 2]>,
-    /// The first block of the numbers of the boundary process.
+    /// The photons at boundaries that need random numbers, and the first block of each.
+    asked: Vec<Counter>,
     boundary: Vec<[u32; 4]>,
+}
+
+/// The first three words of the counter of a photon's numbers in a step.
+pub(crate) type Counter = [u32; 3];
+
+/// The counter of a photon in its present step.
+pub(crate) fn counter(flight: &Flight) -> Counter {
+    [(flight.number >> 32) as u32, flight.number as u32, flight.steps]
 }
 
 impl Draws {
     pub fn new() -> Draws {
-        Draws { level: Level::new(), paths: Vec::new(), boundary: Vec::new() }
+        Draws { level: Level::new(), paths: Vec::new(), asked: Vec::new(), boundary: Vec::new() }
     }
 
-    /// Computes the numbers of some photons.
+    /// Computes the numbers for the free paths of some photons in their next steps.
     pub fn compute(&mut self, seed: u64, flights: &[Flight]) {
-        let count = flights.len().next_multiple_of(LANES);
-        self.paths.resize(count, [0.0; 2]);
-        self.boundary.resize(count, [0; 4]);
+        self.paths.resize(flights.len().next_multiple_of(LANES), [0.0; 2]);
         let (paths, _) = self.paths.as_chunks_mut();
-        let (boundary, _) = self.boundary.as_chunks_mut();
         let level = self.level;
-        dispatch!(level, simd => compute(simd, seed, flights, paths, boundary));
+        dispatch!(level, simd => compute(simd, seed, flights, paths));
+        self.asked.clear();
     }
 
-    /// The first two exponentially distributed numbers for the free paths of a photon.
-    pub fn exponentials(&self, i: usize) -> [f64; 2] {
+    /// The first two uniform numbers for the free paths of a photon.
+    pub fn uniforms(&self, i: usize) -> [f64; 2] {
         self.paths[i]
     }
 
@@ -53,14 +59,27 @@ impl Draws {
         Stream::new(seed, flight.number, flight.steps, Purpose::FreePath).after_block()
     }
 
-    /// The first block of the numbers of the boundary process of a photon.
-    pub fn block(&self, i: usize) -> [u32; 4] {
-        self.boundary[i]
+    /// Asks for the numbers of the boundary process of a photon; returns the number of the request.
+    pub fn ask(&mut self, flight: &Flight) -> u32 {
+        self.asked.push(counter(flight));
+        self.asked.len() as u32 - 1
     }
 
-    /// The numbers of the boundary process of a photon.
-    pub fn boundary(&self, i: usize, seed: u64, flight: &Flight) -> Stream {
-        Stream::new(seed, flight.number, flight.steps, Purpose::Boundary).with_block(self.boundary[i])
+    /// Computes the numbers that have been asked for.
+    pub fn answer(&mut self, seed: u64) {
+        self.boundary.resize(self.asked.len().next_multiple_of(LANES), [0; 4]);
+        let (boundary, _) = self.boundary.as_chunks_mut();
+        let (level, asked) = (self.level, &self.asked[..]);
+        dispatch!(level, simd => answer(simd, seed, asked, boundary));
+    }
+
+    /// The numbers of the boundary process of a photon; `request` is that of its first block, if it has been asked for.
+    pub fn boundary(&self, request: Option<u32>, seed: u64, flight: &Flight) -> Stream {
+        let stream = Stream::new(seed, flight.number, flight.steps, Purpose::Boundary);
+        match request.and_then(|number| self.boundary.get(number as usize)) {
+            Some(&block) => stream.with_block(block),
+            None => stream,
+        }
     }
 }
 
@@ -154,34 +173,42 @@ fn cos_sin_turns<S: Simd>(simd: S, turns: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
 }
 
 #[inline(always)]
-fn compute<S: Simd>(
-    simd: S,
-    seed: u64,
-    flights: &[Flight],
-    paths: &mut [[[f64; 2]; LANES]],
-    boundary: &mut [[[u32; 4]; LANES]],
-) {
+fn compute<S: Simd>(simd: S, seed: u64, flights: &[Flight], paths: &mut [[[f64; 2]; LANES]]) {
     simd.vectorize(
         #[inline(always)]
         || {
-            let key = [seed as u32, (seed >> 32) as u32];
-            for ((flights, paths), boundary) in flights.chunks(LANES).zip(paths).zip(boundary) {
-                let mut counter = [[0; LANES]; 4];
+            for (flights, paths) in flights.chunks(LANES).zip(paths) {
+                let mut counters = [[0; LANES]; 3];
                 for (lane, flight) in flights.iter().enumerate() {
-                    counter[0][lane % LANES] = flight.number >> 32;
-                    counter[1][lane % LANES] = flight.number & WORD;
-                    counter[2][lane % LANES] = u64::from(flight.steps.wrapping_add(1));
+                    counters[0][lane % LANES] = flight.number >> 32;
+                    counters[1][lane % LANES] = flight.number & WORD;
+                    counters[2][lane % LANES] = u64::from(flight.steps.wrapping_add(1));
                 }
-                counter[3] = [u64::from((Purpose::FreePath as u32) << PURPOSE_SHIFT); LANES];
-                let words = blocks(counter, key);
+                let words = first_blocks(counters, seed, Purpose::FreePath);
                 for k in 0..2 {
-                    let lengths = exponentials(&words[2 * k], &words[2 * k + 1]);
+                    let numbers = uniforms(&words[2 * k], &words[2 * k + 1]);
                     for lane in 0..LANES {
-                        paths[lane][k] = lengths[lane];
+                        paths[lane][k] = numbers[lane];
                     }
                 }
-                counter[3] = [u64::from((Purpose::Boundary as u32) << PURPOSE_SHIFT); LANES];
-                let words = blocks(counter, key);
+            }
+        },
+    );
+}
+
+#[inline(always)]
+fn answer<S: Simd>(simd: S, seed: u64, asked: &[Counter], boundary: &mut [[[u32; 4]; LANES]]) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            for (asked, boundary) in asked.chunks(LANES).zip(boundary) {
+                let mut counters = [[0; LANES]; 3];
+                for (lane, counter) in asked.iter().enumerate() {
+                    for k in 0..3 {
+                        counters[k][lane % LANES] = u64::from(counter[k]);
+                    }
+                }
+                let words = first_blocks(counters, seed, Purpose::Boundary);
                 for lane in 0..LANES {
                     for k in 0..4 {
                         boundary[lane][k] = words[k][lane] as u32;
@@ -190,6 +217,20 @@ fn compute<S: Simd>(
             }
         },
     );
+}
+
+/// The first blocks of the numbers of eight photons for a purpose.
+#[inline(always)]
+fn first_blocks([a, b, c]: [Words; 3], seed: u64, purpose: Purpose) -> [Words; 4] {
+    let last = [u64::from((purpose as u32) << PURPOSE_SHIFT); LANES];
+    blocks([a, b, c, last], [seed as u32, (seed >> 32) as u32])
+}
+
+/// The second uniform numbers of the boundary process of eight photons.
+#[inline(always)]
+pub(crate) fn second_uniforms(counters: [Words; 3], seed: u64) -> [f64; LANES] {
+    let [.., high, low] = first_blocks(counters, seed, Purpose::Boundary);
+    uniforms(&high, &low)
 }
 
 /// [`philox4x32`](crate::philox::philox4x32) for eight counters.
@@ -221,19 +262,19 @@ fn blocks(mut counter: [Words; 4], mut key: [u32; 2]) -> [Words; 4] {
 /// The bits of a word.
 const WORD: u64 = u32::MAX as u64;
 
-/// [`Stream::exponential`] from the upper and the lower words of eight uniform numbers.
-#[inline(always)]
-fn exponentials(high: &Words, low: &Words) -> [f64; LANES] {
-    let mut values = uniforms(high, low);
-    for value in &mut values {
-        *value = -log(*value);
-    }
-    values
+/// A lower bound, relative to the value, of [`exponential`] divided by one minus its uniform number: the negative logarithm of u
+/// is at least 1 - u, and all roundings are below this margin.
+pub(crate) const LEAST_EXPONENTIAL: f64 = 1.0 - 1e-12;
+
+/// The exponentially distributed number of a uniform one: [`Stream::exponential`].
+#[inline]
+pub(crate) fn exponential(uniform: f64) -> f64 {
+    -log(uniform)
 }
 
 /// The natural logarithm of a number from 2^-54 to 1, by the operations of `log` in the C library musl and in `libm`, without
 /// branches.
-#[inline(always)]
+#[inline]
 fn log(x: f64) -> f64 {
     // the upper half of sqrt(1/2), and what brings it to that of 1
     const ROOT: u64 = 0x3fe6_a09e << 32;
@@ -288,13 +329,18 @@ mod tests {
         for count in [1, 7, 8, 29] {
             let mut flights: Vec<Flight> = (0..count).map(|k| flight(k * 0x1_0000_0001 + 5)).collect();
             draws.compute(seed, &flights);
-            for (i, flight) in flights.iter_mut().enumerate() {
+            for flight in &mut flights {
                 flight.steps += 1;
+                draws.ask(flight);
+            }
+            draws.answer(seed);
+            for (i, flight) in flights.iter().enumerate() {
                 let stream = |purpose| Stream::new(seed, flight.number, flight.steps, purpose);
-                let (mut known, mut expected) = (draws.boundary(i, seed, flight), stream(Purpose::Boundary));
+                let (mut known, mut expected) =
+                    (draws.boundary(Some(i as u32), seed, flight), stream(Purpose::Boundary));
                 let mut paths = (Draws::other_exponentials(seed, flight), stream(Purpose::FreePath));
-                for known in draws.exponentials(i) {
-                    assert_eq!(known.to_bits(), paths.1.exponential().to_bits());
+                for known in draws.uniforms(i) {
+                    assert_eq!(exponential(known).to_bits(), paths.1.exponential().to_bits());
                 }
                 for _ in 0..6 {
                     assert_eq!(known.uniform(), expected.uniform());
@@ -319,6 +365,20 @@ mod tests {
                 assert_eq!(bits(direction), bits(expected), "{number}");
                 assert_eq!(bits(polarisation), bits(stream.polarisation(expected)), "{number}");
             }
+        }
+    }
+
+    /// The bound that spares logarithms holds, also next to 0 and 1.
+    #[test]
+    fn exponential_numbers_are_above_their_bound() {
+        let mut rest = 0.5;
+        while rest > f64::EPSILON / 4.0 {
+            for u in [1.0 - rest, rest, (1.0 - rest).next_up(), rest.next_down()] {
+                for mean in [1.0, 3.1e-7, 1e20] {
+                    assert!(mean * exponential(u) >= mean * (1.0 - u) * LEAST_EXPONENTIAL, "{u:e}");
+                }
+            }
+            rest *= 0.937;
         }
     }
 

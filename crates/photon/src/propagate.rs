@@ -5,7 +5,7 @@
 
 use crate::boundary::{AtInterface, BareInterfaces, Boundary, BoundaryEvent};
 use crate::detector::{DetectionRule, Detector};
-use crate::draws::Draws;
+use crate::draws::{Draws, LEAST_EXPONENTIAL, counter, exponential};
 use crate::error::PhotonError;
 use crate::flight::{End, Flight};
 use crate::history::{Histories, HistoryOptions, HistoryRecorder, Process, Recorder};
@@ -255,8 +255,19 @@ enum Stage {
     End(End),
     /// A process in the material.
     Bulk(Bulk),
-    /// The boundary, with the refractive index in front of it; the number is that of the photon among those at bare interfaces.
-    Boundary(f64, Option<u32>),
+    /// The boundary, with the refractive index in front of it.
+    Boundary(f64, Group),
+}
+
+/// The photons at boundaries that are processed together with a photon.
+#[derive(Clone, Copy, Debug)]
+enum Group {
+    /// Those at bare interfaces, with the number of the photon among them.
+    Bare(u32),
+    /// Those that only their random numbers are computed for, with the number of the photon among them.
+    Other(u32),
+    /// None.
+    Alone,
 }
 
 impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
@@ -439,7 +450,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             let stage = self.advance(i, true);
             self.stages.push(stage);
         }
-        self.bare.apply(self.detector.starts.planes());
+        self.bare.apply(self.settings.seed, self.detector.starts.planes());
+        self.draws.answer(self.settings.seed);
         for i in 0..self.chunk.len() {
             self.conclude(i, self.stages[i]);
         }
@@ -476,8 +488,9 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         };
         flight.steps += 1;
         self.result.steps += 1;
-        let (free, process) = free_path(values, self.draws.exponentials(i), self.settings.seed, flight);
         let to_boundary = if has_crossing { self.found.t[i] } else { f64::INFINITY };
+        let first_two = self.draws.uniforms(i);
+        let (free, process) = free_path(values, first_two, (self.settings.seed, flight), to_boundary);
         let length = free.min(to_boundary);
         flight.photon.time += length / values.velocity;
         if flight.photon.time > self.settings.max_time {
@@ -489,14 +502,22 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             () if !has_crossing || self.found.after[i] == 0 => Stage::End(End::Escaped),
             // the contact with the surface has the place
             () if collects => return Stage::Boundary(index, self.collect(i, index)),
-            () => return Stage::Boundary(index, None),
+            () => return Stage::Boundary(index, Group::Alone),
         };
         flight.photon.position = flight.photon.ray().at(length);
         stage
     }
 
+    /// Collects photon `i` for a group of those at boundaries.
+    fn collect(&mut self, i: usize, index: f64) -> Group {
+        match self.collect_bare(i, index) {
+            Some(number) => Group::Bare(number),
+            None => Group::Other(self.draws.ask(&self.flights[self.chunk.start + i])),
+        }
+    }
+
     /// Collects photon `i` if it is at a bare interface between two dielectrics; returns its number there.
-    fn collect(&mut self, i: usize, index: f64) -> Option<u32> {
+    fn collect_bare(&mut self, i: usize, index: f64) -> Option<u32> {
         // crossings of two faces are rare
         if self.found.face[i] < 0 {
             return None;
@@ -507,11 +528,10 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         if own == other || !detector.is_bare(regions) {
             return None;
         }
-        let Photon { position, direction, polarisation, energy, .. } =
-            self.flights[self.chunk.start + i].photon;
+        let flight = &self.flights[self.chunk.start + i];
+        let Photon { position, direction, polarisation, energy, .. } = flight.photon;
         let behind = self.index(other as usize, energy)?;
         let normal = against(self.found.normal(i), direction);
-        let (block, t) = (self.draws.block(i), self.found.t[i]);
         let face = Face {
             placement: PlacementId(self.found.placement[i]),
             ..detector.faces[self.found.face[i] as usize]
@@ -523,9 +543,9 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             normal,
             index,
             behind,
-            block,
+            counter: counter(flight),
             position,
-            t,
+            t: self.found.t[i],
             plane,
         })
     }
@@ -538,9 +558,9 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
                 let medium = self.detector.material_of[self.found.before[i] as usize] as usize;
                 self.bulk(i, &self.detector.materials[medium], process);
             }
-            Stage::Boundary(index, bare) => {
+            Stage::Boundary(index, group) => {
                 if let Some(crossing) = self.crossing(i) {
-                    self.boundary(i, &crossing, (index, bare));
+                    self.boundary(i, &crossing, (index, group));
                 }
             }
         }
@@ -620,9 +640,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.detector.materials[medium].index.as_ref().map(|table| table.at(energy))
     }
 
-    /// The optical boundary process for photon `i` of the chunk; `index` is that in front of the crossing, and `bare` the number
-    /// of the photon among those at bare interfaces.
-    fn boundary(&mut self, i: usize, crossing: &Crossing, (index, bare): (f64, Option<u32>)) {
+    /// The optical boundary process for photon `i` of the chunk; `index` is that in front of the crossing.
+    fn boundary(&mut self, i: usize, crossing: &Crossing, (index, group): (f64, Group)) {
         let detector = self.detector;
         let ray = self.flights[self.chunk.start + i].photon.ray();
         let crossing = &match detector.depends_on_copies(crossing) {
@@ -630,10 +649,14 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             false => *crossing,
         };
         let normal = against(self.found.normal(i), ray.direction);
-        let departed = bare.and_then(|number| self.bare.get(number));
+        let (departed, request) = match group {
+            Group::Bare(number) => (self.bare.get(number), None),
+            Group::Other(request) => (None, Some(request)),
+            Group::Alone => (None, None),
+        };
         let (event, direction, polarisation, is_behind) = match departed {
             Some(departed) => (departed.event, departed.direction, departed.polarisation, departed.is_behind),
-            None => self.scatter(i, crossing, (index, normal)),
+            None => self.scatter(i, crossing, (index, normal), request),
         };
         // that with a plane has been evaluated already
         let contact = match departed.and_then(|departed| departed.contact) {
@@ -681,13 +704,14 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.keep(i);
     }
 
-    /// The boundary process of photon `i`: the event, the direction and the polarisation after it, and true if the photon continues
+    /// The boundary process of photon `i`, whose random numbers have a request: the event, the direction and the polarisation after it, and true if the photon continues
     /// behind the boundary.
     fn scatter(
         &self,
         i: usize,
         crossing: &Crossing,
         (index, normal): (f64, Vec3),
+        request: Option<u32>,
     ) -> (BoundaryEvent, Vec3, Vec3, bool) {
         let detector = self.detector;
         let flight = &self.flights[self.chunk.start + i];
@@ -704,7 +728,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             is_same_material: own == other,
             surface: detector.surface(crossing),
         };
-        let mut stream = self.draws.boundary(i, self.settings.seed, flight);
+        let mut stream = self.draws.boundary(request, self.settings.seed, flight);
         let (event, is_behind) = boundary.apply(&mut stream);
         (event, boundary.direction, boundary.polarisation, is_behind)
     }
@@ -741,14 +765,23 @@ fn secondary(flight: Flight, emitted: u32) -> u64 {
     1 << 62 | u64::from(a & 0x3fff_ffff) << 32 | u64::from(b)
 }
 
-/// The shortest free path in a material and its process; infinite if there is no process. `first_two` are the first two
-/// exponentially distributed numbers of the step.
+/// The shortest free path in a material and its process, if it ends before the boundary; otherwise any path that does not.
+/// `first_two` are the first two uniform numbers of the step.
 #[inline]
-fn free_path(values: &MaterialValues, first_two: [f64; 2], seed: u64, flight: &Flight) -> (f64, Bulk) {
+fn free_path(
+    values: &MaterialValues,
+    first_two: [f64; 2],
+    (seed, flight): (u64, &Flight),
+    to_boundary: f64,
+) -> (f64, Bulk) {
     let mut shortest = (f64::INFINITY, Bulk::Absorption);
     let paths = values.paths();
-    for (&(mean, process), number) in paths.iter().zip(first_two) {
-        let length = mean * number;
+    for (&(mean, process), uniform) in paths.iter().zip(first_two) {
+        // most paths are certainly longer, which needs no logarithm
+        if mean * (1.0 - uniform) * LEAST_EXPONENTIAL > to_boundary {
+            continue;
+        }
+        let length = mean * exponential(uniform);
         shortest = if length < shortest.0 { (length, process) } else { shortest };
     }
     if let Some(others @ [_, ..]) = paths.get(2..) {

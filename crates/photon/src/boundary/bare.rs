@@ -3,7 +3,7 @@
 
 use super::event::BoundaryEvent;
 use super::process::GRAZING;
-use crate::philox::UNIT;
+use crate::draws::{Counter, Words, second_uniforms};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
@@ -30,8 +30,8 @@ struct Group {
     normal: [Row; 3],
     index: Row,
     behind: Row,
-    /// The uniform number that decides between reflection and refraction.
-    uniform: Row,
+    /// The counters of the random numbers.
+    counters: [Words; 3],
     position: [Row; 3],
     /// The time of the crossing.
     t: Row,
@@ -58,8 +58,8 @@ pub(crate) struct AtInterface {
     pub normal: Vec3,
     pub index: f64,
     pub behind: f64,
-    /// The first block of its random numbers.
-    pub block: [u32; 4],
+    /// The counter of its random numbers.
+    pub counter: Counter,
     pub position: Vec3,
     /// The time of the crossing.
     pub t: f64,
@@ -115,9 +115,9 @@ impl BareInterfaces {
         }
         group.index[lane] = photon.index;
         group.behind[lane] = photon.behind;
-        // the first number of the block decides about losses at the surface: there are none
-        let [.., high, low] = photon.block.map(u64::from);
-        group.uniform[lane] = ((high << 21 | low >> 11) as f64 + 0.5) * UNIT;
+        for k in 0..3 {
+            group.counters[k][lane] = u64::from(photon.counter[k]);
+        }
         group.t[lane] = photon.t;
         if let Some(plane) = photon.plane {
             group.plane[lane] = plane;
@@ -128,10 +128,10 @@ impl BareInterfaces {
     }
 
     /// Applies the process to all photons; `planes` are those that they may be at.
-    pub fn apply(&mut self, planes: &[PlaneContact]) {
+    pub fn apply(&mut self, seed: u64, planes: &[PlaneContact]) {
         let Some(level) = self.level else { return };
-        let groups = &mut self.groups[..];
-        dispatch_wide!(level, simd => apply_all(simd, groups, planes));
+        let (groups, count) = (&mut self.groups[..], self.count);
+        dispatch_wide!(level, simd => apply_all(simd, groups, (seed, count), planes));
     }
 
     /// A photon after the process, by its number; `None` if the scalar process is needed.
@@ -164,11 +164,12 @@ impl BareInterfaces {
 
 /// A loop, not a closure, which would be compiled without the wide vectors.
 #[inline(always)]
-fn apply_all<S: Simd>(simd: S, groups: &mut [Group], planes: &[PlaneContact]) {
-    for group in groups {
+fn apply_all<S: Simd>(simd: S, groups: &mut [Group], (seed, count): (u64, usize), planes: &[PlaneContact]) {
+    for (k, group) in groups.iter_mut().enumerate() {
+        let used = !0u64 >> (64 - (count - k * LANES).min(LANES));
         // the contacts need the directions before the process
         group.touch(simd, planes);
-        group.apply(simd);
+        group.apply(simd, seed, used);
     }
 }
 
@@ -274,8 +275,9 @@ impl Group {
         store(point.or_where(is_finite, minus(point, scaled(out, step))), &mut self.position);
     }
 
+    /// Applies the process to the photons in a bit mask of lanes.
     #[inline(always)]
-    fn apply<S: Simd>(&mut self, simd: S) {
+    fn apply<S: Simd>(&mut self, simd: S, seed: u64, used: u64) {
         let d = vector(simd, &self.direction);
         let (p, f) = (vector(simd, &self.polarisation), vector(simd, &self.normal));
         let (index, behind) = (load(simd, &self.index), load(simd, &self.behind));
@@ -286,6 +288,16 @@ impl Group {
         let sin1 = is_oblique.select((one - cosine * cosine).sqrt(), zero);
         let sin2 = sin1 * index / behind;
         let is_total = sin2.simd_ge(one);
+        let mirror = mirrored(d, f);
+        if is_total.to_bitmask() & used == used {
+            // light guides: no random numbers, no amplitudes
+            return self.leave(
+                simd,
+                f,
+                (mirror, negative(mirrored(p, f))),
+                (Mask::splat(simd, false), is_total),
+            );
+        }
         let cosine2 = (one - sin2 * sin2).sqrt().copysign(cosine);
         let across = p.or_where(is_oblique, normalised(simd, d.cross(f)));
         let s = p.dot(across);
@@ -296,12 +308,13 @@ impl Group {
         let p2 = flux * p1 / (behind * cosine + index * cosine2);
         let (flux1, flux2) = (index * cosine, behind * cosine2);
         let transmittance = flux2 * (s2 * s2 + p2 * p2) / flux1;
+        // the first number decides about losses at the surface: there are none
+        let uniform = Lanes::load_array(simd, second_uniforms(self.counters, seed));
         let transmittance = cosine.simd_eq(zero).select(zero, transmittance);
-        let is_through = !is_total & load(simd, &self.uniform).simd_lt(transmittance);
+        let is_through = !is_total & uniform.simd_lt(transmittance);
         // as `Process::refract`, `Process::reflect_wave` and `Process::mirror`
         let bend = cosine - cosine2 * (behind / index);
         let bent = normalised(simd, d.plus(scaled(f, bend)));
-        let mirror = mirrored(d, f);
         let direction = mirror.or_where(is_through, d.or_where(is_oblique, bent));
         let (s, p1) = (is_through.select(s2, s2 - s), is_through.select(p2, behind * p2 / index - p1));
         let along = normalised(simd, direction.cross(across));
@@ -312,7 +325,20 @@ impl Group {
         let upright = p.or_where(!is_through & is_denser, negative(p));
         let polarisation = upright.or_where(is_oblique, turned);
         let polarisation = polarisation.or_where(is_total, negative(mirrored(p, f)));
+        self.leave(simd, f, (direction, polarisation), (is_through, is_total));
+    }
+
+    /// Stores the directions and polarisations after the process; `f` are the normals.
+    #[inline(always)]
+    fn leave<S: Simd>(
+        &mut self,
+        simd: S,
+        f: Vec3Lanes<S>,
+        (direction, polarisation): (Vec3Lanes<S>, Vec3Lanes<S>),
+        (is_through, is_total): (Mask<S>, Mask<S>),
+    ) {
         // as `Process::has_left`; the scalar process tries again
+        let zero = splat(simd, 0.0);
         let rise = direction.dot(f);
         let has_left =
             (is_through & rise.simd_le(zero)) | (!is_through & rise.simd_ge(splat(simd, -GRAZING)));
