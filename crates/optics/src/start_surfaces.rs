@@ -29,6 +29,8 @@ pub struct StartSurfaces {
     /// For each entry of the list of surfaces, its place in the list of planes, `u32::MAX` for others.
     plane_of: Vec<u32>,
     planes: Vec<PlaneContact>,
+    /// For each plane, its box in `alone`.
+    alone_on_plane: Vec<Bounds>,
     frames: Vec<Frame>,
     /// The maps into the frame of each placement, outermost first, one list after the other, and the first of each list.
     maps: Vec<Affine>,
@@ -189,6 +191,8 @@ impl StartSurfaces {
             Neighbours { of_placement, of_surface, ..Neighbours::new(&found.boxes, &found.tree) };
         found.cores = (0..found.clusters.len()).map(|k| found.core(program, k)).collect();
         found.alone = (0..found.clusters.len()).flat_map(|k| found.alone_in(program, k)).collect();
+        let on_plane = found.alone.iter().zip(&found.plane_of).filter(|(_, plane)| **plane != u32::MAX);
+        found.alone_on_plane = on_plane.map(|(bounds, _)| *bounds).collect();
         found
     }
 
@@ -231,6 +235,14 @@ impl StartSurfaces {
         let first = self.first_of_placement[face.placement.index()];
         let plane = self.plane_of[(first + self.position[face.surface.index()]) as usize];
         (plane != u32::MAX).then_some(plane)
+    }
+
+    /// True if certainly no other surface is within reach of a point of a ray on a plane, given by its place in
+    /// [`planes`](StartSurfaces::planes): the start list of a ray that leaves the point has this plane alone.
+    #[must_use]
+    #[inline]
+    pub fn is_alone_on_plane(&self, plane: u32, ray: &Ray, t: f64) -> bool {
+        reach(ray, t) <= self.neighbours.slack && self.alone_on_plane[plane as usize].contains(ray.at(t))
     }
 
     /// The surfaces with their boxes; `None` if some belong to placed solids.
@@ -435,11 +447,7 @@ impl StartSurfaces {
         starts: &mut Vec<Start>,
     ) {
         let point = ray.at(t);
-        // the 1-norm bounds the length and needs no square root
-        let lengths = ray.origin.abs().element_sum() + t.abs() * ray.direction.abs().element_sum();
-        // far above every tolerance: a surface whose grown box does not contain the point is out of
-        // reach
-        let margin = 1e3 * delta_of(lengths);
+        let (lengths, margin) = (lengths(ray, t), reach(ray, t));
         let own = starts.get(first).copied();
         if margin <= self.neighbours.slack && own.is_some_and(|own| self.is_alone(&own, point)) {
             return;
@@ -509,6 +517,18 @@ fn keep_sides((t, side): (f64, ExitSide), known: &[Start], starts: &mut [Start])
             start.inside = known.inside;
         }
     }
+}
+
+/// Upper bound of the lengths of a ray's origin and of its path to a point: the 1-norm needs no square root.
+#[inline]
+fn lengths(ray: &Ray, t: f64) -> f64 {
+    ray.origin.abs().element_sum() + t.abs() * ray.direction.abs().element_sum()
+}
+
+/// A margin far above every tolerance: a surface whose box, grown by it, does not contain a point of a ray is out of reach there.
+#[inline]
+fn reach(ray: &Ray, t: f64) -> f64 {
+    1e3 * delta_of(lengths(ray, t))
 }
 
 /// True if the surface is certainly out of reach of a point that is known up to rounding: a conservative form of the test in

@@ -137,9 +137,14 @@ fn uniforms(high: &Words, low: &Words) -> [f64; LANES] {
     values
 }
 
-/// [`Stream::around`], with the azimuth in turns.
+/// [`Stream::around`] for eight axes, with the azimuth in turns.
 #[inline(always)]
-fn around<S: Simd>(simd: S, axis: Vec3Lanes<S>, cosine: Lanes<S>, turns: Lanes<S>) -> Vec3Lanes<S> {
+pub(crate) fn around<S: Simd>(
+    simd: S,
+    axis: Vec3Lanes<S>,
+    cosine: Lanes<S>,
+    turns: Lanes<S>,
+) -> Vec3Lanes<S> {
     let (one, zero) = (splat(simd, 1.0), splat(simd, 0.0));
     let sine = (one - cosine * cosine).max(zero).sqrt();
     let (cos, sin) = cos_sin_turns(simd, turns);
@@ -221,16 +226,22 @@ fn answer<S: Simd>(simd: S, seed: u64, asked: &[Counter], boundary: &mut [[[u32;
 
 /// The first blocks of the numbers of eight photons for a purpose.
 #[inline(always)]
-fn first_blocks([a, b, c]: [Words; 3], seed: u64, purpose: Purpose) -> [Words; 4] {
-    let last = [u64::from((purpose as u32) << PURPOSE_SHIFT); LANES];
+fn first_blocks(counters: [Words; 3], seed: u64, purpose: Purpose) -> [Words; 4] {
+    numbered_blocks(counters, seed, (purpose, 0))
+}
+
+/// The blocks with a number of eight photons.
+#[inline(always)]
+fn numbered_blocks([a, b, c]: [Words; 3], seed: u64, (purpose, number): (Purpose, u32)) -> [Words; 4] {
+    let last = [u64::from(((purpose as u32) << PURPOSE_SHIFT) + number); LANES];
     blocks([a, b, c, last], [seed as u32, (seed >> 32) as u32])
 }
 
-/// The second uniform numbers of the boundary process of eight photons.
+/// The two uniform numbers in a block of the boundary process of eight photons.
 #[inline(always)]
-pub(crate) fn second_uniforms(counters: [Words; 3], seed: u64) -> [f64; LANES] {
-    let [.., high, low] = first_blocks(counters, seed, Purpose::Boundary);
-    uniforms(&high, &low)
+pub(crate) fn boundary_uniforms(counters: [Words; 3], seed: u64, block: u32) -> [[f64; LANES]; 2] {
+    let [a, b, c, d] = numbered_blocks(counters, seed, (Purpose::Boundary, block));
+    [uniforms(&a, &b), uniforms(&c, &d)]
 }
 
 /// [`philox4x32`](crate::philox::philox4x32) for eight counters.

@@ -3,8 +3,10 @@
 //! All photons of a batch advance together, step by step: the next crossings of all of them, then the process with
 //! the shortest free path or the boundary, then the photons that have ended are removed.
 
-use crate::boundary::{AtInterface, BareInterfaces, Boundary, BoundaryEvent};
-use crate::detector::{DetectionRule, Detector};
+use crate::boundary::{
+    AtBoundary, Boundary, BoundaryEvent, Departed, LaneBoundaries, LaneSurface, PlanePoint,
+};
+use crate::detector::{DetectionRule, Detector, Meeting};
 use crate::draws::{Draws, LEAST_EXPONENTIAL, counter, exponential};
 use crate::error::PhotonError;
 use crate::flight::{End, Flight};
@@ -190,7 +192,8 @@ struct Batch<'d, E: Evaluator, R: Recorder> {
     found: Columns,
     /// The end of the step of each photon.
     stages: Vec<Stage>,
-    bare: BareInterfaces,
+    bare: LaneBoundaries,
+    painted: LaneBoundaries,
     result: PhotonRun,
     /// The paths of all sensors so far.
     paths: VolumePaths,
@@ -264,6 +267,8 @@ enum Stage {
 enum Group {
     /// Those at bare interfaces, with the number of the photon among them.
     Bare(u32),
+    /// Those at paint or metal that reflects by one rule, with the number of the photon among them.
+    Painted(u32),
     /// Those that only their random numbers are computed for, with the number of the photon among them.
     Other(u32),
     /// None.
@@ -295,7 +300,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             next_starts: Vec::new(),
             found: Columns::default(),
             stages: Vec::new(),
-            bare: BareInterfaces::new(),
+            bare: LaneBoundaries::bare(),
+            painted: LaneBoundaries::painted(),
             result: PhotonRun::default(),
             paths: VolumePaths::default(),
             recorder,
@@ -438,6 +444,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     fn step_chunk(&mut self) {
         self.stages.clear();
         self.bare.clear();
+        self.painted.clear();
         if R::RECORDS {
             // the rows of a photon follow each other
             for i in 0..self.chunk.len() {
@@ -450,7 +457,9 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             let stage = self.advance(i, true);
             self.stages.push(stage);
         }
-        self.bare.apply(self.settings.seed, self.detector.starts.planes());
+        for lanes in [&mut self.bare, &mut self.painted] {
+            lanes.apply(self.settings.seed, self.detector.starts.planes());
+        }
         self.draws.answer(self.settings.seed);
         for i in 0..self.chunk.len() {
             self.conclude(i, self.stages[i]);
@@ -510,43 +519,49 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
 
     /// Collects photon `i` for a group of those at boundaries.
     fn collect(&mut self, i: usize, index: f64) -> Group {
-        match self.collect_bare(i, index) {
-            Some(number) => Group::Bare(number),
-            None => Group::Other(self.draws.ask(&self.flights[self.chunk.start + i])),
-        }
+        let collected = self.meeting(i, index).and_then(|photon| match photon.surface {
+            LaneSurface::Bare(_) => self.bare.push(&photon).map(Group::Bare),
+            LaneSurface::Painted(..) => self.painted.push(&photon).map(Group::Painted),
+        });
+        collected.unwrap_or_else(|| Group::Other(self.draws.ask(&self.flights[self.chunk.start + i])))
     }
 
-    /// Collects photon `i` if it is at a bare interface between two dielectrics; returns its number there.
-    fn collect_bare(&mut self, i: usize, index: f64) -> Option<u32> {
-        // crossings of two faces are rare
-        if self.found.face[i] < 0 {
-            return None;
-        }
+    /// Photon `i` in front of a boundary of which eight photons are processed together, if it is one.
+    #[inline]
+    fn meeting(&self, i: usize, index: f64) -> Option<AtBoundary> {
         let detector = self.detector;
         let regions = [self.found.before[i], self.found.after[i]];
-        let [own, other] = regions.map(|region| detector.material_of[region as usize]);
-        if own == other || !detector.is_bare(regions) {
+        let meeting = detector.meetings.of(regions);
+        // crossings of two faces are rare
+        if self.found.face[i] < 0 || meeting == Meeting::Other {
             return None;
         }
         let flight = &self.flights[self.chunk.start + i];
         let Photon { position, direction, polarisation, energy, .. } = flight.photon;
-        let behind = self.index(other as usize, energy)?;
-        let normal = against(self.found.normal(i), direction);
+        let surface = match meeting {
+            Meeting::Bare => {
+                let behind = self.index(detector.material_of[regions[1] as usize] as usize, energy)?;
+                LaneSurface::Bare([index, behind])
+            }
+            Meeting::Painted(number, rule) => {
+                let table = detector.surfaces[number as usize].reflectivity.as_ref();
+                LaneSurface::Painted(table.map_or(1.0, |table| table.at(energy)), rule)
+            }
+            Meeting::Other => return None,
+        };
         let face = Face {
             placement: PlacementId(self.found.placement[i]),
             ..detector.faces[self.found.face[i] as usize]
         };
-        let plane = detector.starts.plane(face);
-        self.bare.push(&AtInterface {
+        Some(AtBoundary {
             direction,
             polarisation,
-            normal,
-            index,
-            behind,
+            normal: against(self.found.normal(i), direction),
+            surface,
             counter: counter(flight),
             position,
             t: self.found.t[i],
-            plane,
+            plane: detector.starts.plane(face),
         })
     }
 
@@ -559,8 +574,20 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
                 self.bulk(i, &self.detector.materials[medium], process);
             }
             Stage::Boundary(index, group) => {
+                let departed = match group {
+                    Group::Bare(number) => self.bare.get(number),
+                    Group::Painted(number) => self.painted.get(number),
+                    Group::Other(_) | Group::Alone => None,
+                };
+                let point = departed.and_then(|departed| departed.contact);
+                if let (Some(departed), Some(point)) = (&departed, point)
+                    && !(departed.is_behind && self.is_detecting(self.found.after[i]))
+                {
+                    return self.leave_plane(i, departed, &point);
+                }
                 if let Some(crossing) = self.crossing(i) {
-                    self.boundary(i, &crossing, (index, group));
+                    let request = if let Group::Other(number) = group { Some(number) } else { None };
+                    self.boundary(i, &crossing, (index, request, departed));
                 }
             }
         }
@@ -640,8 +667,49 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.detector.materials[medium].index.as_ref().map(|table| table.at(energy))
     }
 
-    /// The optical boundary process for photon `i` of the chunk; `index` is that in front of the crossing.
-    fn boundary(&mut self, i: usize, crossing: &Crossing, (index, group): (f64, Group)) {
+    /// True if photons that enter a region are detected.
+    fn is_detecting(&self, region: u32) -> bool {
+        self.settings.detection != DetectionRule::Efficiency
+            && self.detector.sensors[region as usize].is_some()
+    }
+
+    /// Photon `i` leaves a plane in a run without histories, and goes on.
+    fn leave_plane(&mut self, i: usize, departed: &Departed, point: &PlanePoint) {
+        let (detector, at) = (self.detector, self.chunk.start + i);
+        self.boundary_events.add(departed.event);
+        let photon = &mut self.flights[at].photon;
+        let (ray, t) = (photon.ray(), self.found.t[i]);
+        photon.position = point.position;
+        (photon.direction, photon.polarisation) = (departed.direction, departed.polarisation);
+        let (inside, side) = match departed.is_behind {
+            true => (point.is_falling, ExitSide::Transmitted),
+            false => (point.is_rising, ExitSide::Incident),
+        };
+        let surface = detector.faces[self.found.face[i] as usize].surface;
+        let own = Start { surface, placement: PlacementId(self.found.placement[i]), inside };
+        if detector.starts.is_alone_on_plane(point.plane, &ray, t) {
+            self.next_starts.push(own);
+        } else {
+            let known = StartLists { first: &self.first, entries: &self.starts }.of(at);
+            detector.starts.append_on(
+                &detector.program,
+                (&ray, t),
+                (own, side),
+                known,
+                &mut self.next_starts,
+            );
+        }
+        self.keep(i);
+    }
+
+    /// The optical boundary process for photon `i` of the chunk: the index in front of the crossing, the request of its random
+    /// numbers, and the photon after the process, if that is known.
+    fn boundary(
+        &mut self,
+        i: usize,
+        crossing: &Crossing,
+        (index, request, departed): (f64, Option<u32>, Option<Departed>),
+    ) {
         let detector = self.detector;
         let ray = self.flights[self.chunk.start + i].photon.ray();
         let crossing = &match detector.depends_on_copies(crossing) {
@@ -649,11 +717,6 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             false => *crossing,
         };
         let normal = against(self.found.normal(i), ray.direction);
-        let (departed, request) = match group {
-            Group::Bare(number) => (self.bare.get(number), None),
-            Group::Other(request) => (None, Some(request)),
-            Group::Alone => (None, None),
-        };
         let (event, direction, polarisation, is_behind) = match departed {
             Some(departed) => (departed.event, departed.direction, departed.polarisation, departed.is_behind),
             None => self.scatter(i, crossing, (index, normal), request),
@@ -670,7 +733,6 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         };
         self.boundary_events.add(event);
         let detects_efficiency = self.settings.detection != DetectionRule::Volume;
-        let detects_volume = self.settings.detection != DetectionRule::Efficiency;
         match event {
             BoundaryEvent::Detection if detects_efficiency => {
                 self.record(i, event.into(), Some(crossing));
@@ -684,7 +746,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         }
         (photon.direction, photon.polarisation) = (direction, polarisation);
         self.record(i, event.into(), Some(crossing));
-        if is_behind && detects_volume && detector.sensors[crossing.after.index()].is_some() {
+        if is_behind && self.is_detecting(crossing.after.0) {
             let flight = &self.flights[self.chunk.start + i];
             self.recorder.enter_sensor(detector, flight, crossing);
             return self.detect(i, crossing);

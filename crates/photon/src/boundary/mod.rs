@@ -8,14 +8,17 @@ mod bare;
 mod coating;
 mod event;
 mod interface;
+mod lanes;
 mod measured;
 mod metal;
+mod painted;
 mod process;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use bare::{AtInterface, BareInterfaces};
 pub use event::BoundaryEvent;
+pub(crate) use lanes::{AtBoundary, Departed, LaneBoundaries, LaneSurface, PlanePoint};
+pub(crate) use painted::Reflection;
 
 use crate::philox::Stream;
 use crate::surface::{MeasuredTable, OpticalSurface, SurfaceFinish, SurfaceType};

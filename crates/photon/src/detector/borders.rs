@@ -178,10 +178,17 @@ impl SurfaceTable {
         }
     }
 
-    /// True if light from one region to another certainly meets no surface.
-    pub fn is_bare(&self, [before, after]: [u32; 2]) -> bool {
-        let place = before as usize * self.regions + after as usize;
-        matches!(self.table.get(place), Some(Pair::Same(None)))
+    /// The number of regions, with the world, whose pairs are tabulated; 0 for detectors of many regions.
+    pub fn tabulated(&self) -> usize {
+        if self.table.is_empty() { 0 } else { self.regions }
+    }
+
+    /// The surface between two tabulated regions, if it is the same at every crossing.
+    pub fn between(&self, before: usize, after: usize) -> Option<Option<usize>> {
+        match self.table[before * self.regions + after] {
+            Pair::Same(surface) => Some(surface),
+            Pair::Placed => None,
+        }
     }
 
     /// The number of the skin surface between two regions.

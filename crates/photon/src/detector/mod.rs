@@ -3,12 +3,14 @@
 mod borders;
 mod copies;
 pub(crate) mod gdml;
+mod meetings;
 mod native;
 mod own_face;
 pub(crate) mod properties;
 mod sensors;
 mod surfaces;
 
+pub(crate) use meetings::{Meeting, Meetings};
 pub(crate) use sensors::NO_COPY;
 
 use crate::energies;
@@ -50,6 +52,7 @@ pub struct Detector {
     pub(crate) material_of: Vec<u32>,
     pub(crate) surfaces: Vec<OpticalSurface>,
     pub(crate) boundaries: SurfaceTable,
+    pub(crate) meetings: Meetings,
     pub(crate) starts: StartSurfaces,
     /// The faces by number; the placements come with the crossings.
     pub(crate) faces: Vec<Face>,
@@ -98,8 +101,9 @@ impl Detector {
         let region_names = names.map(str::to_owned).collect();
         let starts = StartSurfaces::new(&program);
         let faces = faces(&program);
-        let material_of =
+        let material_of: Vec<u32> =
             std::iter::once(0).chain(scene.regions.iter().map(|region| region.medium)).collect();
+        let meetings = Meetings::new(&boundaries, &surfaces, &material_of);
         let notes = properties.finish()?;
         let warnings = energies::all_foreign(&table.table).iter().map(ToString::to_string).collect();
         Ok(Detector {
@@ -109,6 +113,7 @@ impl Detector {
             material_of,
             surfaces,
             boundaries,
+            meetings,
             starts,
             sensors,
             region_names,
@@ -200,11 +205,6 @@ impl Detector {
     /// [own faces](Detector::with_own_faces).
     pub(crate) fn surface(&self, crossing: &Crossing) -> Option<&OpticalSurface> {
         self.boundaries.find(&self.program, crossing).map(|number| &self.surfaces[number])
-    }
-
-    /// True if there is certainly no optical surface between the regions in front of a crossing and behind it.
-    pub(crate) fn is_bare(&self, regions: [u32; 2]) -> bool {
-        self.boundaries.is_bare(regions)
     }
 
     /// The number of the optical surface at a crossing, if there is one.

@@ -1,0 +1,354 @@
+//! Photons at boundaries, eight at a time: the operations of [`Boundary::apply`](super::Boundary) in the same order, and so the same
+//! bits. The kernels of the processes are in [`bare`](super::bare) and [`painted`](super::painted).
+
+use super::event::BoundaryEvent;
+use super::painted::Reflection;
+use super::process::GRAZING;
+use crate::draws::{Counter, Words};
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use rayweave_math::Vec3;
+use rayweave_optics::start_surfaces::PlaneContact;
+use rayweave_shape::dispatch_wide;
+use rayweave_shape::lanes::{LANES, Lanes, Mask, Vec3Lanes, WideLevel, splat};
+
+/// Photons at boundaries of one kind.
+#[derive(Debug)]
+pub(crate) struct LaneBoundaries {
+    level: Option<WideLevel>,
+    kind: Kind,
+    groups: Vec<Group>,
+    count: usize,
+}
+
+/// A kind of boundaries.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    /// Bare polished interfaces between two dielectrics.
+    Bare,
+    /// Paint and metal that reflect by one rule.
+    Painted,
+}
+
+/// A number of each of eight photons.
+pub(super) type Row = [f64; LANES];
+
+/// Eight photons: before the process, then after it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Group {
+    pub direction: [Row; 3],
+    pub polarisation: [Row; 3],
+    pub normal: [Row; 3],
+    /// At interfaces the indices in front of them and behind them; at painted surfaces the reflectivity, and the number of the
+    /// [`Reflection`].
+    pub values: [Row; 2],
+    /// The counters of the random numbers.
+    pub counters: [Words; 3],
+    position: [Row; 3],
+    /// The time of the crossing.
+    t: Row,
+    /// The place of the plane in the list of planes, for photons at one.
+    plane: [u32; LANES],
+    /// Bit masks of the photons at planes, and of those that move along and against the gradient there.
+    on_plane: u64,
+    rising: u64,
+    falling: u64,
+    /// Bit masks of the photons with the first and with the second of the events of a kind; the others have the third.
+    pub events: [u64; 2],
+    /// Bit mask of the photons behind the boundary.
+    is_behind: u64,
+    /// Bit mask of the photons for which the scalar process is needed.
+    pub unsure: u64,
+}
+
+/// A photon in front of a boundary.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AtBoundary {
+    pub direction: Vec3,
+    pub polarisation: Vec3,
+    /// Against the direction.
+    pub normal: Vec3,
+    pub surface: LaneSurface,
+    /// The counter of its random numbers.
+    pub counter: Counter,
+    pub position: Vec3,
+    /// The time of the crossing.
+    pub t: f64,
+    /// The place of the plane in the list of planes, if it is at one of them.
+    pub plane: Option<u32>,
+}
+
+/// What a photon meets.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum LaneSurface {
+    /// An interface, with the indices in front of it and behind it.
+    Bare([f64; 2]),
+    /// Paint or metal, with its reflectivity.
+    Painted(f64, Reflection),
+}
+
+/// A photon after the process.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Departed {
+    pub event: BoundaryEvent,
+    pub direction: Vec3,
+    pub polarisation: Vec3,
+    pub is_behind: bool,
+    /// The contact with a plane.
+    pub contact: Option<PlanePoint>,
+}
+
+/// The contact of a photon with a plane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlanePoint {
+    /// The place of the plane in the list of planes.
+    pub plane: u32,
+    /// The point of the crossing, projected onto the plane.
+    pub position: Vec3,
+    /// True if the photon comes from the side where f < 0.
+    pub is_rising: bool,
+    /// True if it comes from the side where f > 0.
+    pub is_falling: bool,
+}
+
+impl LaneBoundaries {
+    /// Of bare interfaces.
+    pub fn bare() -> LaneBoundaries {
+        LaneBoundaries::new(Kind::Bare)
+    }
+
+    /// Of painted surfaces.
+    pub fn painted() -> LaneBoundaries {
+        LaneBoundaries::new(Kind::Painted)
+    }
+
+    fn new(kind: Kind) -> LaneBoundaries {
+        LaneBoundaries { level: WideLevel::widest(), kind, groups: Vec::new(), count: 0 }
+    }
+
+    /// Removes all photons.
+    pub fn clear(&mut self) {
+        self.groups.clear();
+        self.count = 0;
+    }
+
+    /// Adds a photon; returns its number. `None` on processors without wide vectors.
+    #[inline]
+    pub fn push(&mut self, photon: &AtBoundary) -> Option<u32> {
+        self.level?;
+        let lane = self.count % LANES;
+        if lane == 0 {
+            self.groups.push(Group::default());
+        }
+        let group = self.groups.last_mut()?;
+        for k in 0..3 {
+            group.direction[k][lane] = photon.direction[k];
+            group.polarisation[k][lane] = photon.polarisation[k];
+            group.normal[k][lane] = photon.normal[k];
+            group.position[k][lane] = photon.position[k];
+            group.counters[k][lane] = u64::from(photon.counter[k]);
+        }
+        let values = match photon.surface {
+            LaneSurface::Bare(indices) => indices,
+            LaneSurface::Painted(reflectivity, reflection) => [reflectivity, reflection.number()],
+        };
+        for k in 0..2 {
+            group.values[k][lane] = values[k];
+        }
+        group.t[lane] = photon.t;
+        if let Some(plane) = photon.plane {
+            group.plane[lane] = plane;
+            group.on_plane |= 1 << lane;
+        }
+        self.count += 1;
+        Some(self.count as u32 - 1)
+    }
+
+    /// Applies the process to all photons; `planes` are those that they may be at.
+    pub fn apply(&mut self, seed: u64, planes: &[PlaneContact]) {
+        let Some(level) = self.level else { return };
+        let (groups, count) = (&mut self.groups[..], self.count);
+        match self.kind {
+            Kind::Bare => dispatch_wide!(level, simd => apply_bare(simd, groups, (seed, count), planes)),
+            Kind::Painted => dispatch_wide!(level, simd => apply_painted(simd, groups, seed, planes)),
+        }
+    }
+
+    /// A photon after the process, by its number; `None` if the scalar process is needed.
+    #[inline]
+    pub fn get(&self, number: u32) -> Option<Departed> {
+        let group = self.groups.get(number as usize / LANES)?;
+        let lane = number as usize % LANES;
+        let bit = |mask: u64| mask >> lane & 1 == 1;
+        if bit(group.unsure) {
+            return None;
+        }
+        let vector = |rows: &[Row; 3]| Vec3::new(rows[0][lane], rows[1][lane], rows[2][lane]);
+        let [first, second, third] = match self.kind {
+            Kind::Bare => super::bare::EVENTS,
+            Kind::Painted => super::painted::EVENTS,
+        };
+        let event = match group.events.map(bit) {
+            [true, _] => first,
+            [false, true] => second,
+            [false, false] => third,
+        };
+        Some(Departed {
+            event,
+            direction: vector(&group.direction),
+            polarisation: vector(&group.polarisation),
+            is_behind: bit(group.is_behind),
+            contact: bit(group.on_plane).then(|| PlanePoint {
+                plane: group.plane[lane],
+                position: vector(&group.position),
+                is_rising: bit(group.rising),
+                is_falling: bit(group.falling),
+            }),
+        })
+    }
+}
+
+/// A loop, not a closure, which would be compiled without the wide vectors.
+#[inline(always)]
+fn apply_bare<S: Simd>(simd: S, groups: &mut [Group], (seed, count): (u64, usize), planes: &[PlaneContact]) {
+    for (k, group) in groups.iter_mut().enumerate() {
+        let used = !0u64 >> (64 - (count - k * LANES).min(LANES));
+        // the contacts need the directions before the process
+        group.touch(simd, planes);
+        group.meet_interface(simd, seed, used);
+    }
+}
+
+/// As [`apply_bare`].
+#[inline(always)]
+fn apply_painted<S: Simd>(simd: S, groups: &mut [Group], seed: u64, planes: &[PlaneContact]) {
+    for group in groups {
+        group.touch(simd, planes);
+        group.meet_paint(simd, seed);
+    }
+}
+
+#[inline(always)]
+pub(super) fn load<S: Simd>(simd: S, row: &Row) -> Lanes<S> {
+    Lanes::load_array_ref(simd, row)
+}
+
+#[inline(always)]
+pub(super) fn vector<S: Simd>(simd: S, rows: &[Row; 3]) -> Vec3Lanes<S> {
+    Vec3Lanes { x: load(simd, &rows[0]), y: load(simd, &rows[1]), z: load(simd, &rows[2]) }
+}
+
+#[inline(always)]
+pub(super) fn store<S: Simd>(vector: Vec3Lanes<S>, rows: &mut [Row; 3]) {
+    vector.x.store_array(&mut rows[0]);
+    vector.y.store_array(&mut rows[1]);
+    vector.z.store_array(&mut rows[2]);
+}
+
+/// The product of a vector and a number.
+#[inline(always)]
+pub(super) fn scaled<S: Simd>(vector: Vec3Lanes<S>, factor: Lanes<S>) -> Vec3Lanes<S> {
+    Vec3Lanes { x: vector.x * factor, y: vector.y * factor, z: vector.z * factor }
+}
+
+#[inline(always)]
+pub(super) fn minus<S: Simd>(a: Vec3Lanes<S>, b: Vec3Lanes<S>) -> Vec3Lanes<S> {
+    Vec3Lanes { x: a.x - b.x, y: a.y - b.y, z: a.z - b.z }
+}
+
+#[inline(always)]
+pub(super) fn negative<S: Simd>(v: Vec3Lanes<S>) -> Vec3Lanes<S> {
+    Vec3Lanes { x: -v.x, y: -v.y, z: -v.z }
+}
+
+#[inline(always)]
+pub(super) fn normalised<S: Simd>(simd: S, vector: Vec3Lanes<S>) -> Vec3Lanes<S> {
+    scaled(vector, splat(simd, 1.0) / vector.length_squared().sqrt())
+}
+
+/// [`mirrored`](super::process::mirrored) for eight vectors.
+#[inline(always)]
+pub(super) fn mirrored<S: Simd>(vector: Vec3Lanes<S>, normal: Vec3Lanes<S>) -> Vec3Lanes<S> {
+    minus(vector, scaled(normal, vector.dot(normal) * 2.0))
+}
+
+/// [`renormalised`](super::renormalised) for eight vectors, and the lanes in which they are unit vectors up to rounding.
+#[inline(always)]
+pub(super) fn renormalised<S: Simd>(simd: S, vector: Vec3Lanes<S>) -> (Vec3Lanes<S>, Mask<S>) {
+    let square = vector.length_squared();
+    let is_near = (square - 1.0).abs().simd_lt(splat(simd, 1e-8));
+    (scaled(vector, splat(simd, 1.5) - square * 0.5), is_near)
+}
+
+/// The image of a vector under the identity matrix, by the operations of a product: without negative zeros.
+#[inline(always)]
+pub(super) fn unturned<S: Simd>(v: Vec3Lanes<S>) -> Vec3Lanes<S> {
+    Vec3Lanes {
+        x: v.x + v.y * 0.0 + v.z * 0.0,
+        y: v.x * 0.0 + v.y + v.z * 0.0,
+        z: v.x * 0.0 + v.y * 0.0 + v.z,
+    }
+}
+
+impl Group {
+    /// Projects the photons onto their planes, as [`Contact`](rayweave_optics::start_surfaces::Contact).
+    #[inline(always)]
+    pub fn touch<S: Simd>(&mut self, simd: S, planes: &[PlaneContact]) {
+        let (mut rows, mut shifted) = ([[0.0; LANES]; 10], 0u64);
+        for lane in 0..LANES {
+            let Some(plane) = planes.get(self.plane[lane] as usize) else { continue };
+            let shift = plane.shift.unwrap_or(Vec3::ZERO);
+            for k in 0..3 {
+                rows[k][lane] = plane.normal[k];
+                rows[3 + k][lane] = plane.gradient[k];
+                rows[6 + k][lane] = shift[k];
+            }
+            rows[9][lane] = plane.offset;
+            shifted |= u64::from(plane.shift.is_some()) << lane;
+        }
+        let at = |k: usize| Vec3Lanes {
+            x: load(simd, &rows[k]),
+            y: load(simd, &rows[k + 1]),
+            z: load(simd, &rows[k + 2]),
+        };
+        let (normal, gradient, shift) = (at(0), at(3), at(6));
+        let (origin, direction) = (vector(simd, &self.position), vector(simd, &self.direction));
+        let t = load(simd, &self.t);
+        let shifted = Mask::from_bitmask(simd, shifted);
+        let local_origin = origin.or_where(shifted, unturned(origin).plus(shift));
+        let local_direction = direction.or_where(shifted, unturned(direction));
+        let value = local_origin.plus(scaled(local_direction, t)).dot(normal) - load(simd, &rows[9]);
+        let out = vector(simd, &self.normal);
+        let along = out.or_where(shifted, unturned(out));
+        let step = value / normal.dot(along);
+        let is_finite = step.abs().simd_lt(splat(simd, f64::INFINITY));
+        let point = origin.plus(scaled(direction, t));
+        let slope = gradient.dot(direction);
+        let zero = splat(simd, 0.0);
+        self.rising = slope.simd_gt(zero).to_bitmask();
+        self.falling = slope.simd_lt(zero).to_bitmask();
+        store(point.or_where(is_finite, minus(point, scaled(out, step))), &mut self.position);
+    }
+
+    /// Stores the directions and polarisations after the process; `f` are the normals. The scalar process is needed where they are
+    /// not those of a photon on its side of the boundary.
+    #[inline(always)]
+    pub fn leave<S: Simd>(
+        &mut self,
+        simd: S,
+        f: Vec3Lanes<S>,
+        (direction, polarisation): (Vec3Lanes<S>, Vec3Lanes<S>),
+        is_through: Mask<S>,
+    ) {
+        // as `Process::has_left`
+        let (rise, zero) = (direction.dot(f), splat(simd, 0.0));
+        let has_left =
+            (is_through & rise.simd_le(zero)) | (!is_through & rise.simd_ge(splat(simd, -GRAZING)));
+        let (direction, is_unit) = renormalised(simd, direction);
+        let (polarisation, is_unit_too) = renormalised(simd, polarisation);
+        self.unsure = !(has_left & is_unit & is_unit_too).to_bitmask();
+        self.is_behind = direction.dot(f).simd_lt(zero).to_bitmask();
+        store(direction, &mut self.direction);
+        store(polarisation, &mut self.polarisation);
+    }
+}
