@@ -29,8 +29,6 @@ pub struct StartSurfaces {
     /// For each entry of the list of surfaces, its place in the list of planes, `u32::MAX` for others.
     plane_of: Vec<u32>,
     planes: Vec<PlaneContact>,
-    /// For each plane, its box in `alone`.
-    alone_on_plane: Vec<Bounds>,
     frames: Vec<Frame>,
     /// The maps into the frame of each placement, outermost first, one list after the other, and the first of each list.
     maps: Vec<Affine>,
@@ -111,6 +109,10 @@ pub struct PlaneContact {
     pub shift: Option<Vec3>,
     /// The gradient in the world, up to a positive factor.
     pub gradient: Vec3,
+    /// A box of points on the plane that no other surface is within reach of: the start list of a ray that leaves such a point has
+    /// the plane alone. It holds for an incident ray whose origin and way to the point have 1-norms with a sum of at most
+    /// [`StartSurfaces::alone_lengths`], and may be empty.
+    pub alone: Bounds,
 }
 
 /// The side of a surface on which a scattered ray leaves it.
@@ -191,8 +193,10 @@ impl StartSurfaces {
             Neighbours { of_placement, of_surface, ..Neighbours::new(&found.boxes, &found.tree) };
         found.cores = (0..found.clusters.len()).map(|k| found.core(program, k)).collect();
         found.alone = (0..found.clusters.len()).flat_map(|k| found.alone_in(program, k)).collect();
-        let on_plane = found.alone.iter().zip(&found.plane_of).filter(|(_, plane)| **plane != u32::MAX);
-        found.alone_on_plane = on_plane.map(|(bounds, _)| *bounds).collect();
+        let on_planes = found.alone.iter().zip(&found.plane_of).filter(|(_, plane)| **plane != u32::MAX);
+        for (plane, (alone, _)) in found.planes.iter_mut().zip(on_planes) {
+            plane.alone = *alone;
+        }
         found
     }
 
@@ -213,6 +217,7 @@ impl StartSurfaces {
                         offset: plane.offset,
                         shift,
                         gradient: outer_gradient(plane.normal, maps),
+                        alone: Bounds::EMPTY,
                     }),
                     _ => None,
                 };
@@ -237,12 +242,11 @@ impl StartSurfaces {
         (plane != u32::MAX).then_some(plane)
     }
 
-    /// True if certainly no other surface is within reach of a point of a ray on a plane, given by its place in
-    /// [`planes`](StartSurfaces::planes): the start list of a ray that leaves the point has this plane alone.
+    /// The largest sum of a ray's lengths for which the boxes [`alone`](PlaneContact::alone) hold.
     #[must_use]
-    #[inline]
-    pub fn is_alone_on_plane(&self, plane: u32, ray: &Ray, t: f64) -> bool {
-        reach(ray, t) <= self.neighbours.slack && self.alone_on_plane[plane as usize].contains(ray.at(t))
+    pub fn alone_lengths(&self) -> f64 {
+        // the margin in `append_others`, with room for rounding
+        self.neighbours.slack / (1e3 * delta_of(1.0)) * (1.0 - 1e-9)
     }
 
     /// The surfaces with their boxes; `None` if some belong to placed solids.

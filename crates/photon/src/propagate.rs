@@ -458,7 +458,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             self.stages.push(stage);
         }
         for lanes in [&mut self.bare, &mut self.painted] {
-            lanes.apply(self.settings.seed, self.detector.starts.planes());
+            lanes.apply(self.settings.seed, &self.detector.starts);
         }
         self.draws.answer(self.settings.seed);
         for i in 0..self.chunk.len() {
@@ -677,28 +677,23 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     fn leave_plane(&mut self, i: usize, departed: &Departed, point: &PlanePoint) {
         let (detector, at) = (self.detector, self.chunk.start + i);
         self.boundary_events.add(departed.event);
-        let photon = &mut self.flights[at].photon;
-        let (ray, t) = (photon.ray(), self.found.t[i]);
-        photon.position = point.position;
-        (photon.direction, photon.polarisation) = (departed.direction, departed.polarisation);
         let (inside, side) = match departed.is_behind {
             true => (point.is_falling, ExitSide::Transmitted),
             false => (point.is_rising, ExitSide::Incident),
         };
         let surface = detector.faces[self.found.face[i] as usize].surface;
         let own = Start { surface, placement: PlacementId(self.found.placement[i]), inside };
-        if detector.starts.is_alone_on_plane(point.plane, &ray, t) {
+        if point.is_alone {
             self.next_starts.push(own);
         } else {
+            let ray = self.flights[at].photon.ray();
             let known = StartLists { first: &self.first, entries: &self.starts }.of(at);
-            detector.starts.append_on(
-                &detector.program,
-                (&ray, t),
-                (own, side),
-                known,
-                &mut self.next_starts,
-            );
+            let (ray, own) = ((&ray, self.found.t[i]), (own, side));
+            detector.starts.append_on(&detector.program, ray, own, known, &mut self.next_starts);
         }
+        let photon = &mut self.flights[at].photon;
+        photon.position = point.position;
+        (photon.direction, photon.polarisation) = (departed.direction, departed.polarisation);
         self.keep(i);
     }
 

@@ -8,7 +8,7 @@ use crate::draws::{Counter, Words};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
-use rayweave_optics::start_surfaces::PlaneContact;
+use rayweave_optics::start_surfaces::{PlaneContact, StartSurfaces};
 use rayweave_shape::dispatch_wide;
 use rayweave_shape::lanes::{LANES, Lanes, Mask, Vec3Lanes, WideLevel, splat};
 
@@ -29,6 +29,9 @@ enum Kind {
     /// Paint and metal that reflect by one rule.
     Painted,
 }
+
+/// Planes, and the lengths for which their boxes hold.
+type Planes<'p> = (&'p [PlaneContact], f64);
 
 /// A number of each of eight photons.
 pub(super) type Row = [f64; LANES];
@@ -53,6 +56,8 @@ pub(super) struct Group {
     on_plane: u64,
     rising: u64,
     falling: u64,
+    /// Bit mask of the photons at points of planes without other surfaces in reach.
+    alone: u64,
     /// Bit masks of the photons with the first and with the second of the events of a kind; the others have the third.
     pub events: [u64; 2],
     /// Bit mask of the photons behind the boundary.
@@ -101,14 +106,14 @@ pub(crate) struct Departed {
 /// The contact of a photon with a plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlanePoint {
-    /// The place of the plane in the list of planes.
-    pub plane: u32,
     /// The point of the crossing, projected onto the plane.
     pub position: Vec3,
     /// True if the photon comes from the side where f < 0.
     pub is_rising: bool,
     /// True if it comes from the side where f > 0.
     pub is_falling: bool,
+    /// True if certainly no other surface is within reach of the point.
+    pub is_alone: bool,
 }
 
 impl LaneBoundaries {
@@ -164,8 +169,9 @@ impl LaneBoundaries {
         Some(self.count as u32 - 1)
     }
 
-    /// Applies the process to all photons; `planes` are those that they may be at.
-    pub fn apply(&mut self, seed: u64, planes: &[PlaneContact]) {
+    /// Applies the process to all photons; `starts` has the planes that they may be at.
+    pub fn apply(&mut self, seed: u64, starts: &StartSurfaces) {
+        let planes = (starts.planes(), starts.alone_lengths());
         let Some(level) = self.level else { return };
         let (groups, count) = (&mut self.groups[..], self.count);
         match self.kind {
@@ -199,10 +205,10 @@ impl LaneBoundaries {
             polarisation: vector(&group.polarisation),
             is_behind: bit(group.is_behind),
             contact: bit(group.on_plane).then(|| PlanePoint {
-                plane: group.plane[lane],
                 position: vector(&group.position),
                 is_rising: bit(group.rising),
                 is_falling: bit(group.falling),
+                is_alone: bit(group.alone),
             }),
         })
     }
@@ -210,7 +216,7 @@ impl LaneBoundaries {
 
 /// A loop, not a closure, which would be compiled without the wide vectors.
 #[inline(always)]
-fn apply_bare<S: Simd>(simd: S, groups: &mut [Group], (seed, count): (u64, usize), planes: &[PlaneContact]) {
+fn apply_bare<S: Simd>(simd: S, groups: &mut [Group], (seed, count): (u64, usize), planes: Planes<'_>) {
     for (k, group) in groups.iter_mut().enumerate() {
         let used = !0u64 >> (64 - (count - k * LANES).min(LANES));
         // the contacts need the directions before the process
@@ -221,7 +227,7 @@ fn apply_bare<S: Simd>(simd: S, groups: &mut [Group], (seed, count): (u64, usize
 
 /// As [`apply_bare`].
 #[inline(always)]
-fn apply_painted<S: Simd>(simd: S, groups: &mut [Group], seed: u64, planes: &[PlaneContact]) {
+fn apply_painted<S: Simd>(simd: S, groups: &mut [Group], seed: u64, planes: Planes<'_>) {
     for group in groups {
         group.touch(simd, planes);
         group.meet_paint(simd, seed);
@@ -293,8 +299,8 @@ pub(super) fn unturned<S: Simd>(v: Vec3Lanes<S>) -> Vec3Lanes<S> {
 impl Group {
     /// Projects the photons onto their planes, as [`Contact`](rayweave_optics::start_surfaces::Contact).
     #[inline(always)]
-    pub fn touch<S: Simd>(&mut self, simd: S, planes: &[PlaneContact]) {
-        let (mut rows, mut shifted) = ([[0.0; LANES]; 10], 0u64);
+    pub fn touch<S: Simd>(&mut self, simd: S, (planes, alone_lengths): Planes<'_>) {
+        let (mut rows, mut shifted) = ([[0.0; LANES]; 16], 0u64);
         for lane in 0..LANES {
             let Some(plane) = planes.get(self.plane[lane] as usize) else { continue };
             let shift = plane.shift.unwrap_or(Vec3::ZERO);
@@ -302,8 +308,10 @@ impl Group {
                 rows[k][lane] = plane.normal[k];
                 rows[3 + k][lane] = plane.gradient[k];
                 rows[6 + k][lane] = shift[k];
+                rows[9 + k][lane] = plane.alone.lo[k];
+                rows[12 + k][lane] = plane.alone.hi[k];
             }
-            rows[9][lane] = plane.offset;
+            rows[15][lane] = plane.offset;
             shifted |= u64::from(plane.shift.is_some()) << lane;
         }
         let at = |k: usize| Vec3Lanes {
@@ -311,18 +319,23 @@ impl Group {
             y: load(simd, &rows[k + 1]),
             z: load(simd, &rows[k + 2]),
         };
-        let (normal, gradient, shift) = (at(0), at(3), at(6));
+        let [normal, gradient, shift, low, high] = [at(0), at(3), at(6), at(9), at(12)];
         let (origin, direction) = (vector(simd, &self.position), vector(simd, &self.direction));
         let t = load(simd, &self.t);
         let shifted = Mask::from_bitmask(simd, shifted);
         let local_origin = origin.or_where(shifted, unturned(origin).plus(shift));
         let local_direction = direction.or_where(shifted, unturned(direction));
-        let value = local_origin.plus(scaled(local_direction, t)).dot(normal) - load(simd, &rows[9]);
+        let value = local_origin.plus(scaled(local_direction, t)).dot(normal) - load(simd, &rows[15]);
         let out = vector(simd, &self.normal);
         let along = out.or_where(shifted, unturned(out));
         let step = value / normal.dot(along);
         let is_finite = step.abs().simd_lt(splat(simd, f64::INFINITY));
         let point = origin.plus(scaled(direction, t));
+        let length = |v: Vec3Lanes<S>| v.x.abs() + v.y.abs() + v.z.abs();
+        let is_near = (length(origin) + t.abs() * length(direction)).simd_le(splat(simd, alone_lengths));
+        let is_above = low.x.simd_le(point.x) & low.y.simd_le(point.y) & low.z.simd_le(point.z);
+        let is_below = point.x.simd_le(high.x) & point.y.simd_le(high.y) & point.z.simd_le(high.z);
+        self.alone = (is_near & is_above & is_below).to_bitmask();
         let slope = gradient.dot(direction);
         let zero = splat(simd, 0.0);
         self.rising = slope.simd_gt(zero).to_bitmask();

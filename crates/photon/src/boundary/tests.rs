@@ -557,7 +557,7 @@ fn bare_interfaces_in_lanes_equal_the_scalar_process() {
         let (event, is_behind) = photon.apply(&mut numbers);
         expected.push((event, is_behind, photon.direction, photon.polarisation));
     }
-    lanes.apply(7, &[]);
+    lanes.apply(7, &StartSurfaces::default());
     let mut events = BTreeMap::new();
     let mut count = 0;
     for (number, expected) in photons.into_iter().zip(expected) {
@@ -637,7 +637,7 @@ fn paint_in_lanes_equals_the_scalar_process() {
         let (event, is_behind) = photon.apply(&mut Stream::new(7, number, 1, Purpose::Boundary));
         expected.push((event, is_behind, photon.direction, photon.polarisation));
     }
-    lanes.apply(7, &[]);
+    lanes.apply(7, &StartSurfaces::default());
     let mut events = BTreeMap::new();
     for (number, expected) in photons.into_iter().zip(expected) {
         let bits = |vector: Vec3| vector.to_array().map(f64::to_bits);
@@ -663,7 +663,7 @@ fn contacts_in_lanes_equal_those_of_start_surfaces() {
     let program = Program::compile_regions(&(1..).zip(solids).map(region).collect::<Vec<_>>()).unwrap();
     let (starts, mut lanes) = (StartSurfaces::new(&program), LaneBoundaries::bare());
     let evaluator = Reference::new(Arc::new(program.clone()));
-    let (mut pushed, mut moved) = (Vec::new(), 0);
+    let (mut pushed, mut moved, mut alone) = (Vec::new(), 0, 0);
     for number in 0..800u64 {
         let mut stream = Stream::new(6, number, 0, Purpose::Emission);
         let origin = Vec3::from_array([(); 3].map(|()| 8.0 * stream.uniform() - 2.0));
@@ -691,9 +691,10 @@ fn contacts_in_lanes_equal_those_of_start_surfaces() {
         };
         pushed.extend(lanes.push(&at).map(|number| (number, ray, crossing, normal)));
     }
-    lanes.apply(7, starts.planes());
+    lanes.apply(7, &starts);
     for (number, ray, crossing, normal) in &pushed {
         let Some(point) = lanes.get(*number).and_then(|found| found.contact) else { continue };
+        alone += usize::from(point.is_alone);
         let contact = starts.contact(&program, ray, crossing);
         let bits = |vector: Vec3| vector.to_array().map(f64::to_bits);
         assert_eq!(bits(point.position), bits(contact.project(*normal)), "{ray:?}");
@@ -703,10 +704,11 @@ fn contacts_in_lanes_equal_those_of_start_surfaces() {
             let mut list = Vec::new();
             starts.append_at(&contact, side, &[], &mut list);
             assert_eq!(list[0].inside, inside, "{ray:?}");
+            assert!(list.len() == 1 || !point.is_alone, "{ray:?}");
         }
     }
     if rayweave_shape::lanes::WideLevel::widest().is_some() {
-        assert!(pushed.len() > 700 && moved > 60, "{} {moved}", pushed.len());
+        assert!(pushed.len() > 700 && moved > 60 && alone > 600, "{} {moved} {alone}", pushed.len());
     }
 }
 
