@@ -65,7 +65,7 @@ impl Draws {
         self.asked.len() as u32 - 1
     }
 
-    /// Computes the numbers that have been asked for.
+    /// Computes the numbers of all requests.
     pub fn answer(&mut self, seed: u64) {
         self.boundary.resize(self.asked.len().next_multiple_of(LANES), [0; 4]);
         let (boundary, _) = self.boundary.as_chunks_mut();
@@ -73,7 +73,7 @@ impl Draws {
         dispatch!(level, simd => answer(simd, seed, asked, boundary));
     }
 
-    /// The numbers of the boundary process of a photon; `request` is that of its first block, if it has been asked for.
+    /// The numbers of the boundary process of a photon; `request` is the number of its request, if there is one.
     pub fn boundary(&self, request: Option<u32>, seed: u64, flight: &Flight) -> Stream {
         let stream = Stream::new(seed, flight.number, flight.steps, Purpose::Boundary);
         match request.and_then(|number| self.boundary.get(number as usize)) {

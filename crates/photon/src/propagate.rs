@@ -262,14 +262,14 @@ enum Stage {
     Boundary(f64, Group),
 }
 
-/// The photons at boundaries that are processed together with a photon.
+/// The group of photons at boundaries that a photon belongs to.
 #[derive(Clone, Copy, Debug)]
 enum Group {
     /// Those at bare interfaces, with the number of the photon among them.
     Bare(u32),
     /// Those at paint or metal that reflects by one rule, with the number of the photon among them.
     Painted(u32),
-    /// Those that only their random numbers are computed for, with the number of the photon among them.
+    /// Those that share nothing but the computation of random numbers, with the number of the request.
     Other(u32),
     /// None.
     Alone,
@@ -526,7 +526,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         collected.unwrap_or_else(|| Group::Other(self.draws.ask(&self.flights[self.chunk.start + i])))
     }
 
-    /// Photon `i` in front of a boundary of which eight photons are processed together, if it is one.
+    /// Photon `i` in front of its boundary, if that is one for groups of eight photons.
     #[inline]
     fn meeting(&self, i: usize, index: f64) -> Option<AtBoundary> {
         let detector = self.detector;
@@ -667,7 +667,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.detector.materials[medium].index.as_ref().map(|table| table.at(energy))
     }
 
-    /// True if photons that enter a region are detected.
+    /// True if a region detects the photons that enter it.
     fn is_detecting(&self, region: u32) -> bool {
         self.settings.detection != DetectionRule::Efficiency
             && self.detector.sensors[region as usize].is_some()
@@ -698,7 +698,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     }
 
     /// The optical boundary process for photon `i` of the chunk: the index in front of the crossing, the request of its random
-    /// numbers, and the photon after the process, if that is known.
+    /// numbers, and the photon after the process in lanes, if there is one.
     fn boundary(
         &mut self,
         i: usize,

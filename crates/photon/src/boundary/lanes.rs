@@ -1,37 +1,16 @@
-//! Photons at boundaries, eight at a time: the operations of [`Boundary::apply`](super::Boundary) in the same order, and so the same
-//! bits. The kernels of the processes are in [`bare`](super::bare) and [`painted`](super::painted).
+//! Eight photons at boundaries, and what the kernels of all kinds of boundaries have in common: the contact with a plane, and the
+//! departure.
 
-use super::event::BoundaryEvent;
-use super::painted::Reflection;
 use super::process::GRAZING;
-use crate::draws::{Counter, Words};
+use crate::draws::Words;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
-use rayweave_optics::start_surfaces::{PlaneContact, StartSurfaces};
-use rayweave_shape::dispatch_wide;
-use rayweave_shape::lanes::{LANES, Lanes, Mask, Vec3Lanes, WideLevel, splat};
-
-/// Photons at boundaries of one kind.
-#[derive(Debug)]
-pub(crate) struct LaneBoundaries {
-    level: Option<WideLevel>,
-    kind: Kind,
-    groups: Vec<Group>,
-    count: usize,
-}
-
-/// A kind of boundaries.
-#[derive(Clone, Copy, Debug)]
-enum Kind {
-    /// Bare polished interfaces between two dielectrics.
-    Bare,
-    /// Paint and metal that reflect by one rule.
-    Painted,
-}
+use rayweave_optics::start_surfaces::PlaneContact;
+use rayweave_shape::lanes::{LANES, Lanes, Mask, Vec3Lanes, splat};
 
 /// Planes, and the lengths for which their boxes hold.
-type Planes<'p> = (&'p [PlaneContact], f64);
+pub(super) type Planes<'p> = (&'p [PlaneContact], f64);
 
 /// A number of each of eight photons.
 pub(super) type Row = [f64; LANES];
@@ -43,195 +22,27 @@ pub(super) struct Group {
     pub polarisation: [Row; 3],
     pub normal: [Row; 3],
     /// At interfaces the indices in front of them and behind them; at painted surfaces the reflectivity, and the number of the
-    /// [`Reflection`].
+    /// rule of reflection.
     pub values: [Row; 2],
     /// The counters of the random numbers.
     pub counters: [Words; 3],
-    position: [Row; 3],
+    pub position: [Row; 3],
     /// The time of the crossing.
-    t: Row,
+    pub t: Row,
     /// The place of the plane in the list of planes, for photons at one.
-    plane: [u32; LANES],
+    pub plane: [u32; LANES],
     /// Bit masks of the photons at planes, and of those that move along and against the gradient there.
-    on_plane: u64,
-    rising: u64,
-    falling: u64,
+    pub on_plane: u64,
+    pub rising: u64,
+    pub falling: u64,
     /// Bit mask of the photons at points of planes without other surfaces in reach.
-    alone: u64,
+    pub alone: u64,
     /// Bit masks of the photons with the first and with the second of the events of a kind; the others have the third.
     pub events: [u64; 2],
     /// Bit mask of the photons behind the boundary.
-    is_behind: u64,
-    /// Bit mask of the photons for which the scalar process is needed.
+    pub is_behind: u64,
+    /// Bit mask of the photons that need the scalar process.
     pub unsure: u64,
-}
-
-/// A photon in front of a boundary.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct AtBoundary {
-    pub direction: Vec3,
-    pub polarisation: Vec3,
-    /// Against the direction.
-    pub normal: Vec3,
-    pub surface: LaneSurface,
-    /// The counter of its random numbers.
-    pub counter: Counter,
-    pub position: Vec3,
-    /// The time of the crossing.
-    pub t: f64,
-    /// The place of the plane in the list of planes, if it is at one of them.
-    pub plane: Option<u32>,
-}
-
-/// What a photon meets.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum LaneSurface {
-    /// An interface, with the indices in front of it and behind it.
-    Bare([f64; 2]),
-    /// Paint or metal, with its reflectivity.
-    Painted(f64, Reflection),
-}
-
-/// A photon after the process.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Departed {
-    pub event: BoundaryEvent,
-    pub direction: Vec3,
-    pub polarisation: Vec3,
-    pub is_behind: bool,
-    /// The contact with a plane.
-    pub contact: Option<PlanePoint>,
-}
-
-/// The contact of a photon with a plane.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PlanePoint {
-    /// The point of the crossing, projected onto the plane.
-    pub position: Vec3,
-    /// True if the photon comes from the side where f < 0.
-    pub is_rising: bool,
-    /// True if it comes from the side where f > 0.
-    pub is_falling: bool,
-    /// True if certainly no other surface is within reach of the point.
-    pub is_alone: bool,
-}
-
-impl LaneBoundaries {
-    /// Of bare interfaces.
-    pub fn bare() -> LaneBoundaries {
-        LaneBoundaries::new(Kind::Bare)
-    }
-
-    /// Of painted surfaces.
-    pub fn painted() -> LaneBoundaries {
-        LaneBoundaries::new(Kind::Painted)
-    }
-
-    fn new(kind: Kind) -> LaneBoundaries {
-        LaneBoundaries { level: WideLevel::widest(), kind, groups: Vec::new(), count: 0 }
-    }
-
-    /// Removes all photons.
-    pub fn clear(&mut self) {
-        self.groups.clear();
-        self.count = 0;
-    }
-
-    /// Adds a photon; returns its number. `None` on processors without wide vectors.
-    #[inline]
-    pub fn push(&mut self, photon: &AtBoundary) -> Option<u32> {
-        self.level?;
-        let lane = self.count % LANES;
-        if lane == 0 {
-            self.groups.push(Group::default());
-        }
-        let group = self.groups.last_mut()?;
-        for k in 0..3 {
-            group.direction[k][lane] = photon.direction[k];
-            group.polarisation[k][lane] = photon.polarisation[k];
-            group.normal[k][lane] = photon.normal[k];
-            group.position[k][lane] = photon.position[k];
-            group.counters[k][lane] = u64::from(photon.counter[k]);
-        }
-        let values = match photon.surface {
-            LaneSurface::Bare(indices) => indices,
-            LaneSurface::Painted(reflectivity, reflection) => [reflectivity, reflection.number()],
-        };
-        for k in 0..2 {
-            group.values[k][lane] = values[k];
-        }
-        group.t[lane] = photon.t;
-        if let Some(plane) = photon.plane {
-            group.plane[lane] = plane;
-            group.on_plane |= 1 << lane;
-        }
-        self.count += 1;
-        Some(self.count as u32 - 1)
-    }
-
-    /// Applies the process to all photons; `starts` has the planes that they may be at.
-    pub fn apply(&mut self, seed: u64, starts: &StartSurfaces) {
-        let planes = (starts.planes(), starts.alone_lengths());
-        let Some(level) = self.level else { return };
-        let (groups, count) = (&mut self.groups[..], self.count);
-        match self.kind {
-            Kind::Bare => dispatch_wide!(level, simd => apply_bare(simd, groups, (seed, count), planes)),
-            Kind::Painted => dispatch_wide!(level, simd => apply_painted(simd, groups, seed, planes)),
-        }
-    }
-
-    /// A photon after the process, by its number; `None` if the scalar process is needed.
-    #[inline]
-    pub fn get(&self, number: u32) -> Option<Departed> {
-        let group = self.groups.get(number as usize / LANES)?;
-        let lane = number as usize % LANES;
-        let bit = |mask: u64| mask >> lane & 1 == 1;
-        if bit(group.unsure) {
-            return None;
-        }
-        let vector = |rows: &[Row; 3]| Vec3::new(rows[0][lane], rows[1][lane], rows[2][lane]);
-        let [first, second, third] = match self.kind {
-            Kind::Bare => super::bare::EVENTS,
-            Kind::Painted => super::painted::EVENTS,
-        };
-        let event = match group.events.map(bit) {
-            [true, _] => first,
-            [false, true] => second,
-            [false, false] => third,
-        };
-        Some(Departed {
-            event,
-            direction: vector(&group.direction),
-            polarisation: vector(&group.polarisation),
-            is_behind: bit(group.is_behind),
-            contact: bit(group.on_plane).then(|| PlanePoint {
-                position: vector(&group.position),
-                is_rising: bit(group.rising),
-                is_falling: bit(group.falling),
-                is_alone: bit(group.alone),
-            }),
-        })
-    }
-}
-
-/// A loop, not a closure, which would be compiled without the wide vectors.
-#[inline(always)]
-fn apply_bare<S: Simd>(simd: S, groups: &mut [Group], (seed, count): (u64, usize), planes: Planes<'_>) {
-    for (k, group) in groups.iter_mut().enumerate() {
-        let used = !0u64 >> (64 - (count - k * LANES).min(LANES));
-        // the contacts need the directions before the process
-        group.touch(simd, planes);
-        group.meet_interface(simd, seed, used);
-    }
-}
-
-/// As [`apply_bare`].
-#[inline(always)]
-fn apply_painted<S: Simd>(simd: S, groups: &mut [Group], seed: u64, planes: Planes<'_>) {
-    for group in groups {
-        group.touch(simd, planes);
-        group.meet_paint(simd, seed);
-    }
 }
 
 #[inline(always)]
@@ -343,8 +154,8 @@ impl Group {
         store(point.or_where(is_finite, minus(point, scaled(out, step))), &mut self.position);
     }
 
-    /// Stores the directions and polarisations after the process; `f` are the normals. The scalar process is needed where they are
-    /// not those of a photon on its side of the boundary.
+    /// Stores the directions and polarisations after the process; `f` are the normals. Photons whose directions are not on their side
+    /// of the boundary need the scalar process.
     #[inline(always)]
     pub fn leave<S: Simd>(
         &mut self,

@@ -6,6 +6,7 @@
 
 mod bare;
 mod coating;
+mod collected;
 mod event;
 mod interface;
 mod lanes;
@@ -16,8 +17,8 @@ mod process;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use collected::{AtBoundary, Departed, LaneBoundaries, LaneSurface, PlanePoint};
 pub use event::BoundaryEvent;
-pub(crate) use lanes::{AtBoundary, Departed, LaneBoundaries, LaneSurface, PlanePoint};
 pub(crate) use painted::Reflection;
 
 use crate::philox::Stream;

@@ -1,10 +1,10 @@
-//! What photons meet between two regions, as far as it follows from the regions alone.
+//! The kinds of boundaries between two regions, as far as they follow from the regions alone.
 
 use super::borders::SurfaceTable;
 use crate::boundary::Reflection;
 use crate::surface::OpticalSurface;
 
-/// What photons meet between the regions of a detector.
+/// The kinds of boundaries between the regions of a detector.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Meetings {
     /// The number of rows of the table, and of columns: 0 for detectors of many regions.
@@ -13,7 +13,7 @@ pub(crate) struct Meetings {
     table: Vec<Meeting>,
 }
 
-/// What photons meet between two regions.
+/// A kind of boundary between two regions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Meeting {
     /// A bare interface between two materials.
@@ -40,7 +40,7 @@ impl Meetings {
         Meetings { regions, table: table.map(|(before, after)| meeting(before, after)).collect() }
     }
 
-    /// What light from one region to another meets.
+    /// The kind of the boundary from one region to another.
     #[inline]
     pub fn of(&self, [before, after]: [u32; 2]) -> Meeting {
         // a region beyond the table has no surface, but its number may be that of a pair in the next row
