@@ -28,7 +28,7 @@ pub fn distance<'py>(
     let found = interruptible(py, &cancel, || {
         let field = DistanceField::new(&engine.program, settings)?;
         let run = DistanceRun { threads, cancel: cancel.clone() };
-        Ok::<_, rayweave::AnalysisError>(field.distances(&places, &run)?)
+        field.distances(&places, &run)
     })?;
     let vectors = |rows: Vec<Vec3>| {
         let flat = rows.iter().flat_map(|row| row.to_array()).collect();
