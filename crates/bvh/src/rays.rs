@@ -20,7 +20,7 @@ pub struct RayTraversals {
 
 /// A ray prepared for slab tests.
 #[derive(Clone, Copy, Debug, Default)]
-struct SlabRay {
+pub struct SlabRay {
     /// For each axis, the numbers of the planes that the ray enters and leaves the boxes by.
     planes: [[usize; 2]; 3],
     /// The other side of the comparison with these planes: the origin with the margin.
@@ -42,20 +42,18 @@ impl RayTraversals {
         let rays = window.rays.to_bitmask();
         for lane in 0..RAYS {
             let at = |values: &f64x8<S>| values.as_slice()[lane];
-            let (ray, margin) = (&mut self.rays[lane], at(&slabs.margin));
-            for k in 0..3 {
-                let (origin, inverse) = (at(&slabs.origin[k]), at(&slabs.inverse[k]));
-                let (low, high) = ((k, origin + margin), (k + 3, origin - margin));
-                // in this order, so that the ray misses empty boxes, from +inf to -inf
-                let [near, far] = if inverse > 0.0 { [low, high] } else { [high, low] };
-                ray.planes[k] = [near.0, far.0];
-                (ray.origin[k], ray.inverse[k]) = ([near.1, far.1], inverse);
-            }
-            ray.from = at(&window.from.0);
-            self.open[lane].clear();
-            if rays >> lane & 1 == 1 && !tree.nodes.is_empty() {
-                self.open(simd, tree, 0, lane, at(&window.until.0));
-            }
+            let until = if rays >> lane & 1 == 1 { at(&window.until.0) } else { f64::NEG_INFINITY };
+            self.begin_one(simd, tree, lane, SlabRay::new(slabs, lane, at(&window.from.0)), until);
+        }
+    }
+
+    /// Starts the traversal of one ray, up to a time.
+    #[inline(always)]
+    pub fn begin_one<S: Simd>(&mut self, simd: S, tree: &ExactBvh, lane: usize, ray: SlabRay, until: f64) {
+        self.rays[lane % RAYS] = ray;
+        self.open[lane % RAYS].clear();
+        if until >= ray.from && !tree.nodes.is_empty() {
+            self.open(simd, tree, 0, lane % RAYS, until);
         }
     }
 
@@ -97,6 +95,22 @@ impl RayTraversals {
 }
 
 impl SlabRay {
+    /// One of eight rays, from a time on.
+    #[inline(always)]
+    pub fn new<S: Simd>(slabs: &BundleSlabs<S>, lane: usize, from: f64) -> SlabRay {
+        let at = |values: &f64x8<S>| values.as_slice()[lane % RAYS];
+        let (mut ray, margin) = (SlabRay { from, ..SlabRay::default() }, at(&slabs.margin));
+        for k in 0..3 {
+            let (origin, inverse) = (at(&slabs.origin[k]), at(&slabs.inverse[k]));
+            let (low, high) = ((k, origin + margin), (k + 3, origin - margin));
+            // in this order, so that the ray misses empty boxes, from +inf to -inf
+            let [near, far] = if inverse > 0.0 { [low, high] } else { [high, low] };
+            ray.planes[k] = [near.0, far.0];
+            (ray.origin[k], ray.inverse[k]) = ([near.1, far.1], inverse);
+        }
+        ray
+    }
+
     /// The entry times into the boxes of a node, grown by the margin, and a bit mask of the boxes that the ray passes.
     #[inline(always)]
     fn enter<S: Simd>(&self, simd: S, node: &Node64, until: f64) -> (f64x8<S>, u64) {
