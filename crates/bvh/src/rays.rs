@@ -29,6 +29,44 @@ pub struct SlabRay {
     from: f64,
 }
 
+/// Eight rays in memory, each to be prepared for slab tests.
+#[derive(Clone, Copy, Debug)]
+pub struct SlabRays {
+    origin: [[f64; RAYS]; 3],
+    inverse: [[f64; RAYS]; 3],
+    margin: [f64; RAYS],
+}
+
+impl SlabRays {
+    /// The rays of a bundle.
+    #[inline(always)]
+    pub fn new<S: Simd>(slabs: &BundleSlabs<S>) -> SlabRays {
+        let [x, y, z] = &slabs.origin;
+        let [a, b, c] = &slabs.inverse;
+        SlabRays {
+            origin: [x.to_array(), y.to_array(), z.to_array()],
+            inverse: [a.to_array(), b.to_array(), c.to_array()],
+            margin: slabs.margin.to_array(),
+        }
+    }
+
+    /// One of the rays, from a time on.
+    #[inline(always)]
+    #[must_use]
+    pub fn ray(&self, lane: usize, from: f64) -> SlabRay {
+        let (mut ray, margin) = (SlabRay { from, ..SlabRay::default() }, self.margin[lane % RAYS]);
+        for k in 0..3 {
+            let (origin, inverse) = (self.origin[k][lane % RAYS], self.inverse[k][lane % RAYS]);
+            let (low, high) = ((k, origin + margin), (k + 3, origin - margin));
+            // in this order, so that the ray misses empty boxes, from +inf to -inf
+            let [near, far] = if inverse > 0.0 { [low, high] } else { [high, low] };
+            ray.planes[k] = [near.0, far.0];
+            (ray.origin[k], ray.inverse[k]) = ([near.1, far.1], inverse);
+        }
+        ray
+    }
+}
+
 impl RayTraversals {
     /// Starts the traversals of the rays of a window.
     #[inline(always)]
@@ -39,11 +77,11 @@ impl RayTraversals {
         slabs: &BundleSlabs<S>,
         window: &BundleWindow<S>,
     ) {
-        let rays = window.rays.to_bitmask();
+        let (rays, slabs) = (window.rays.to_bitmask(), SlabRays::new(slabs));
         for lane in 0..RAYS {
             let at = |values: &f64x8<S>| values.as_slice()[lane];
             let until = if rays >> lane & 1 == 1 { at(&window.until.0) } else { f64::NEG_INFINITY };
-            self.begin_one(simd, tree, lane, SlabRay::new(slabs, lane, at(&window.from.0)), until);
+            self.begin_one(simd, tree, lane, slabs.ray(lane, at(&window.from.0)), until);
         }
     }
 
@@ -95,22 +133,6 @@ impl RayTraversals {
 }
 
 impl SlabRay {
-    /// One of eight rays, from a time on.
-    #[inline(always)]
-    pub fn new<S: Simd>(slabs: &BundleSlabs<S>, lane: usize, from: f64) -> SlabRay {
-        let at = |values: &f64x8<S>| values.as_slice()[lane % RAYS];
-        let (mut ray, margin) = (SlabRay { from, ..SlabRay::default() }, at(&slabs.margin));
-        for k in 0..3 {
-            let (origin, inverse) = (at(&slabs.origin[k]), at(&slabs.inverse[k]));
-            let (low, high) = ((k, origin + margin), (k + 3, origin - margin));
-            // in this order, so that the ray misses empty boxes, from +inf to -inf
-            let [near, far] = if inverse > 0.0 { [low, high] } else { [high, low] };
-            ray.planes[k] = [near.0, far.0];
-            (ray.origin[k], ray.inverse[k]) = ([near.1, far.1], inverse);
-        }
-        ray
-    }
-
     /// The entry times into the boxes of a node, grown by the margin, and a bit mask of the boxes that the ray passes.
     #[inline(always)]
     fn enter<S: Simd>(&self, simd: S, node: &Node64, until: f64) -> (f64x8<S>, u64) {

@@ -664,7 +664,8 @@ impl Objects {
                 let lane = near.trailing_zeros() as usize % LANES;
                 near &= near - 1;
                 let next = next.as_slice()[lane];
-                if !self.is_resolved(&first, lane, &ray.lane(lane), next, (program, window)) {
+                let hit = (self.face(&first, lane), first.t.0[lane]);
+                if !self.is_resolved(hit, &ray.lane(lane), next, (program, window)) {
                     first.uncertain |= 1 << lane;
                 }
             }
@@ -692,22 +693,26 @@ impl Objects {
     /// ray.
     fn is_resolved(
         &self,
-        first: &First,
-        lane: usize,
+        (face, t): (Face, f64),
         ray: &rayweave_shape::Ray,
         next: f64,
         (program, window): (&Program, Window),
     ) -> bool {
-        let face = self.face(first, lane);
         let limits = &self.model.limits;
         let end = ray.closest_time(limits.centre) + limits.radius / ray.direction.length();
-        ray.separated_along(program, face, first.t.0[lane], (next, end.min(window.t_max()).max(next)))
+        ray.separated_along(program, face, t, (next, end.min(window.t_max()).max(next)))
     }
 
     /// The face of a hit.
     pub fn face(&self, first: &First, lane: usize) -> Face {
         let face = self.model.faces[first.face.0[lane] as usize];
         Face { placement: PlacementId(first.placement.0[lane] as u32), ..face }
+    }
+
+    /// A face of a solid, by their numbers.
+    fn face_of(&self, object: f64, face: f64) -> Face {
+        let placement = PlacementId(self.objects[object as usize].placement);
+        Face { placement, ..self.model.faces[face as usize] }
     }
 
     /// The normals of hits, and a bit mask of the lanes that must be computed one by one.

@@ -77,12 +77,12 @@ impl<S: Simd> Carried<S> {
                     let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
                     [x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z, step.norm]
                 });
-                let rows = [(xx, xy, xz), (yx, yy, yz), (zx, zy, zz)];
-                let rows = rows.map(|(x, y, z)| Vec3Lanes { x, y, z });
-                let turned = |v: Vec3Lanes<S>| dots(v, rows);
+                let x = Vec3Lanes { x: xx, y: xy, z: xz };
+                let y = Vec3Lanes { x: yx, y: yy, z: yz };
+                let z = Vec3Lanes { x: zx, y: zy, z: zz };
                 Carried {
-                    origin: turned(ray.origin).plus(shift),
-                    direction: turned(ray.direction),
+                    origin: dots(ray.origin, [x, y, z]).plus(shift),
+                    direction: dots(ray.direction, [x, y, z]),
                     magnitude: lengths * norm,
                 }
             };
@@ -126,11 +126,13 @@ fn turned<S: Simd>(map: &Affine, v: Vec3Lanes<S>) -> Vec3Lanes<S> {
 /// One transform for each of eight rays, from their lists: those at a depth.
 #[inline(always)]
 fn at_depth<'s>(steps: &[&'s [Step]; LANES], depth: usize) -> [&'s Step; LANES] {
-    let lead = &steps[0][depth];
-    std::array::from_fn(
-        #[inline(always)]
-        |lane| steps[lane].get(depth).unwrap_or(lead),
-    )
+    let mut here = [&steps[0][depth]; LANES];
+    for lane in 1..LANES {
+        if let Some(step) = steps[lane].get(depth) {
+            here[lane] = step;
+        }
+    }
+    here
 }
 
 /// True if the transforms have one linear part.
@@ -157,10 +159,12 @@ fn gathered<S: Simd, const N: usize>(
             columns[k][lane] = values[k];
         }
     }
-    columns.map(
-        #[inline(always)]
-        |column| Lanes::load_array(simd, column),
-    )
+    // no `map`, whose closure would not be compiled for the instruction set
+    let mut lanes = [splat(simd, 0.0); N];
+    for k in 0..N {
+        lanes[k] = Lanes::load_array_ref(simd, &columns[k]);
+    }
+    lanes
 }
 
 /// Dot products with three vectors of each ray.
@@ -201,8 +205,10 @@ impl Step {
             let [x, y, z] = [down.x_axis, down.y_axis, down.z_axis];
             [x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z]
         });
-        let axes = [(xx, xy, xz), (yx, yy, yz), (zx, zy, zz)];
-        dots(gradient, axes.map(|(x, y, z)| Vec3Lanes { x, y, z }))
+        let x = Vec3Lanes { x: xx, y: xy, z: xz };
+        let y = Vec3Lanes { x: yx, y: yy, z: yz };
+        let z = Vec3Lanes { x: zx, y: zy, z: zz };
+        dots(gradient, [x, y, z])
     }
 }
 

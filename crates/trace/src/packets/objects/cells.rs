@@ -379,3 +379,43 @@ impl Objects {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::packets::plan::Common;
+    use rayweave_math::Affine;
+    use rayweave_model::{Region, Solid};
+    use rayweave_shape::primitive::{Value, build};
+
+    fn shape(name: &str, argument: &str, value: f64) -> Solid {
+        Solid::from(build(name, &[(argument, Value::Number(value))]).unwrap())
+    }
+
+    /// A tank of tubes, each with a cathode within it, has a tree of the tubes, and a tube has a list.
+    #[test]
+    fn a_tank_has_a_tree_of_the_solids_directly_within_it() {
+        let maps: Vec<Affine> = (0..100)
+            .map(|k| Affine::translate(Vec3::new(f64::from(k % 10), f64::from(k / 10), 0.0)))
+            .collect();
+        let solids = [
+            shape("box", "size", 60.0),
+            shape("box", "size", 50.0),
+            shape("sphere", "radius", 0.4).place(maps.clone()),
+            shape("sphere", "radius", 0.3).place(maps),
+        ];
+        let region =
+            |(k, solid): (u32, &Solid)| Region { name: format!("{k}"), solid: solid.clone(), medium: k + 1 };
+        let regions: Vec<Region> = (0..).zip(&solids).map(region).collect();
+        let program = Program::compile_regions(&regions).unwrap();
+        let objects = Objects::new(&program, &Common::new(&program).unwrap()).unwrap();
+        let cells = &objects.cells;
+        let tank = cells.get(cells.of_region(2));
+        let others = &cells.crowd(tank.crowd).solids;
+        assert_eq!((tank.base, others.len()), (1.0, 100));
+        assert!(others.iter().all(|&k| objects.objects[k as usize].region == 3.0));
+        let tubes: Vec<&Cell> = cells.cells.iter().filter(|cell| cell.region == 3.0).collect();
+        assert_eq!(tubes.len(), 100);
+        assert!(tubes.iter().all(|tube| tube.crowd == NONE && cells.list(tube).len() == 2));
+    }
+}

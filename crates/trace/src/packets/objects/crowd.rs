@@ -9,13 +9,12 @@ use super::super::Firsts;
 use super::super::group::{BundleEvaluation, Row};
 use super::super::places::slabs;
 use super::cells::NONE;
-use super::within::{Departures, Eight, FirstStarts, Passages, Starts, Walk, number};
+use super::within::{Departures, Eight, FirstStarts, Passage, Passages, Starts, Walk, number};
 use super::{First, Objects, lanes_of};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use rayweave_bvh::{RayTraversals, SlabRay};
-use rayweave_math::Vec3;
-use rayweave_model::MARGIN;
+use rayweave_bvh::{RayTraversals, SlabRay, SlabRays};
+use rayweave_model::{Evaluator, MARGIN};
 use rayweave_shape::lanes::{LANES, LaneRay, Lanes, Mask, Vec3Lanes, splat};
 
 /// Rays that start among many solids, with the memory for their search.
@@ -37,16 +36,14 @@ struct Seeker {
     ray: u32,
     cell: u32,
     slabs: SlabRay,
-    origin: Vec3,
-    direction: Vec3,
-    /// The lower bound of t.
-    from: f64,
-    /// The length behind a hit within which other changes make it uncertain.
-    behind: f64,
+    /// As in [`Lane8`].
+    given: [f64; GIVEN],
     /// The surface and the placement on which it starts, -1 for none, and whether f < 0 just after the start.
     start: ([f64; 2], bool),
-    /// The time and the face at which it leaves its solid, and the time of the change after that.
+    /// The time at which it leaves its solid, that of the change after it, and the face.
     exit: [f64; 3],
+    /// True if the exit may be welded to a change behind it.
+    is_near: bool,
 }
 
 /// The first hit of a ray.
@@ -60,19 +57,25 @@ struct Done {
     after: f64,
 }
 
+/// The number of components of a ray with its bounds.
+const GIVEN: usize = 8;
+
 /// Eight rays under way.
 struct Lane8 {
     /// Bit mask of the lanes in use.
     active: u64,
     /// Bit mask of the rays whose first hit is uncertain.
     uncertain: u64,
+    /// Bit mask of the rays whose first hit may be welded to a change behind it.
+    near: u64,
     ray: [u32; LANES],
     /// The numbers of the trees.
     crowd: [u32; LANES],
     /// The solid in which each ray starts.
     own: [u32; LANES],
-    /// Origin, direction, lower bound of t, `behind`.
-    given: [Row; 8],
+    /// The components of the origin and the direction, the lower bound of t, and the length behind a hit within which other
+    /// changes make it uncertain.
+    given: [Row; GIVEN],
     starts: Starts,
     /// The regions in which the rays start, and those behind the first hits so far.
     before: Row,
@@ -91,11 +94,12 @@ impl Lane8 {
     fn new() -> Lane8 {
         let row = Row([0.0; LANES]);
         // rays of lanes that are not in use are finite and have a direction
-        let mut given = [row; 8];
+        let mut given = [row; GIVEN];
         given[3] = Row([1.0; LANES]);
         Lane8 {
             active: 0,
             uncertain: 0,
+            near: 0,
             ray: [0; LANES],
             crowd: [0; LANES],
             own: [0; LANES],
@@ -119,26 +123,28 @@ impl Lane8 {
         let bit = 1 << lane;
         self.active |= bit;
         self.uncertain &= !bit;
+        self.near = self.near & !bit | u64::from(seeker.is_near) << lane;
         (self.ray[lane], self.crowd[lane], self.own[lane]) = (seeker.ray, cell.crowd, own);
-        let (Vec3 { x, y, z }, d) = (seeker.origin, seeker.direction);
-        let given = [x, y, z, d.x, d.y, d.z, seeker.from, seeker.behind];
-        self.given.iter_mut().zip(given).for_each(|(row, value)| row.0[lane] = value);
+        for k in 0..GIVEN {
+            self.given[k].0[lane] = seeker.given[k];
+        }
         let ([surface, placement], inside) = seeker.start;
         let FirstStarts { surface: surfaces, placement: placements, inside: sides } = &mut self.starts.first;
         (surfaces.0[lane], placements.0[lane]) = (surface, placement);
         *sides = *sides & !bit | u64::from(inside) << lane;
-        let [exit, face, next] = seeker.exit;
+        let [exit, next, face] = seeker.exit;
         (self.before.0[lane], self.after.0[lane]) = (cell.region, cell.base);
         (self.first.0[lane], self.second.0[lane]) = (exit, next);
         (self.face.0[lane], self.object.0[lane]) = (face, f64::from(own));
-        self.until.0[lane] = exit + seeker.behind;
+        self.until.0[lane] = exit + seeker.given[GIVEN - 1];
     }
 
     /// The first hit of the ray of a lane, if it is certain.
     #[inline(always)]
     fn hit(&self, lane: usize) -> Option<Done> {
         let t = self.first.0[lane];
-        let is_certain = self.uncertain >> lane & 1 == 0 && self.second.0[lane] >= t + self.given[7].0[lane];
+        let is_certain =
+            self.uncertain >> lane & 1 == 0 && self.second.0[lane] >= t + self.given[GIVEN - 1].0[lane];
         is_certain.then(|| Done {
             ray: self.ray[lane],
             object: self.object.0[lane] as u32,
@@ -159,31 +165,42 @@ impl Lane8 {
         t_max: f64,
     ) {
         let simd = group.simd;
-        let load = |row: &Row| Lanes::load_array_ref(simd, &row.0);
-        let [x, y, z, dx, dy, dz, from, behind] = self.given.each_ref().map(load);
-        let (origin, direction) = (Vec3Lanes { x, y, z }, Vec3Lanes { x: dx, y: dy, z: dz });
+        let [x, y, z, dx, dy, dz, from, behind] = &self.given;
+        let origin = Vec3Lanes { x: row(simd, x), y: row(simd, y), z: row(simd, z) };
+        let direction = Vec3Lanes { x: row(simd, dx), y: row(simd, dy), z: row(simd, dz) };
+        let (from, behind) = (row(simd, from), row(simd, behind));
         let (ray, _) = LaneRay::new(simd, origin, direction, &objects.model.limits);
         let active = Mask::from_bitmask(simd, self.active);
         let rays = Departures { ray: &ray, starts: &self.starts, queried: active, from, t_max };
         let Passages { passage, region, near, .. } =
             objects.pass_each(group, items, self.active, &rays, behind);
-        let (first, second) = (load(&self.first), load(&self.second));
+        let (first, second) = (row(simd, &self.first), row(simd, &self.second));
         let is_hit = passage.first.simd_lt(f64::INFINITY);
         let closer = passage.first.simd_lt(first);
         // a ray that starts in another solid, or meets one that does not replace its own, has more to be compared
         let unsure = passage.uncertain | passage.inside;
-        let unsure = unsure | (is_hit & (passage.grazes | region.simd_le(load(&self.before))));
-        self.uncertain |= (unsure | (closer & near)).to_bitmask() & self.active;
+        let unsure = unsure | (is_hit & region.simd_le(row(simd, &self.before)));
+        self.uncertain |= unsure.to_bitmask() & self.active;
+        let near = near | passage.grazes;
+        self.near = self.near & !closer.to_bitmask() | (near & closer).to_bitmask();
         let second = closer.select(first.min(passage.second), second.min(passage.first));
         let first = closer.select(passage.first, first);
-        let object = Lanes::load_array(simd, items.map(f64::from));
+        let mut object = Row([0.0; LANES]);
+        for lane in 0..LANES {
+            object.0[lane] = f64::from(items[lane]);
+        }
         first.store_array(&mut self.first.0);
         second.store_array(&mut self.second.0);
-        closer.select(passage.face, load(&self.face)).store_array(&mut self.face.0);
-        closer.select(object, load(&self.object)).store_array(&mut self.object.0);
-        closer.select(region, load(&self.after)).store_array(&mut self.after.0);
+        closer.select(passage.face, row(simd, &self.face)).store_array(&mut self.face.0);
+        closer.select(row(simd, &object), row(simd, &self.object)).store_array(&mut self.object.0);
+        closer.select(region, row(simd, &self.after)).store_array(&mut self.after.0);
         (first + behind).store_array(&mut self.until.0);
     }
+}
+
+#[inline(always)]
+fn row<S: Simd>(simd: S, row: &Row) -> Lanes<S> {
+    Lanes::load_array_ref(simd, &row.0)
 }
 
 impl Firsts<'_, '_> {
@@ -269,29 +286,33 @@ impl Firsts<'_, '_> {
         let t_max = self.query.window.t_max();
         let rays = Departures { ray: &ray, starts, queried, from: eight.from, t_max };
         let Passages { passage, near, .. } = objects.pass_each(group, &items, some, &rays, behind);
-        let unsure = uncertain.always | passage.uncertain | passage.grazes | near;
+        let unsure = uncertain.always | passage.uncertain;
+        let near = (near | passage.grazes).to_bitmask();
         let leaves = passage.inside & passage.first.simd_lt(f64::INFINITY) & !unsure;
         let several = starts.others.iter().fold(0, |all: u64, other| all | 1 << other.lane);
         let known = leaves.to_bitmask() & !several;
-        let lanes = |values: &Lanes<S>, lane: usize| values.as_slice()[lane];
-        let vector = |v: &Vec3Lanes<S>, k: usize| Vec3::new(lanes(&v.x, k), lanes(&v.y, k), lanes(&v.z, k));
+        let Passage { first, second, face, .. } = &passage;
+        let (slabs, o, d) = (SlabRays::new(&slabs), &eight.origin, &eight.direction);
+        let columns = [&o.x, &o.y, &o.z, &d.x, &d.y, &d.z, &eight.from, &behind, first, second, face];
+        let mut rows = [Row([0.0; LANES]); 11];
+        for k in 0..columns.len() {
+            columns[k].store_array(&mut rows[k].0);
+        }
         for (lane, &entry) in numbers.iter().enumerate().rev() {
             if known >> lane & 1 == 0 {
                 others.push(number(entry) as u64);
                 continue;
             }
             let FirstStarts { surface, placement, inside } = &starts.first;
-            let from = lanes(&eight.from, lane);
+            let at = |k: usize| rows[k].0[lane];
             seekers.waiting.push(Seeker {
                 ray: number(entry) as u32,
                 cell: cells[lane],
-                slabs: SlabRay::new(&slabs, lane, from),
-                origin: vector(&eight.origin, lane),
-                direction: vector(&eight.direction, lane),
-                from,
-                behind: lanes(&behind, lane),
+                slabs: slabs.ray(lane, at(6)),
+                given: [at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)],
                 start: ([surface.0[lane], placement.0[lane]], inside >> lane & 1 == 1),
-                exit: [&passage.first, &passage.face, &passage.second].map(|values| lanes(values, lane)),
+                exit: [at(8), at(9), at(10)],
+                is_near: near >> lane & 1 == 1,
             });
         }
     }
@@ -307,7 +328,14 @@ impl Firsts<'_, '_> {
         done: &mut [Vec<Done>; 2],
         others: &mut Vec<u64>,
     ) {
-        let Some(hit) = lanes.hit(lane) else { return others.push(u64::from(lanes.ray[lane])) };
+        let ray = lanes.ray[lane];
+        let is_resolved = |hit: &Done| {
+            let face = objects.face_of(f64::from(hit.object), hit.face);
+            let (line, next) = (self.rays.get(ray as usize), hit.t + lanes.given[GIVEN - 1].0[lane]);
+            let model = (self.weave.program(), self.query.window);
+            lanes.near >> lane & 1 == 0 || objects.is_resolved((face, hit.t), &line, next, model)
+        };
+        let Some(hit) = lanes.hit(lane).filter(is_resolved) else { return others.push(u64::from(ray)) };
         // hits of one kind together have normals of one kind
         let done = &mut done[usize::from(hit.object != lanes.own[lane])];
         done.push(hit);

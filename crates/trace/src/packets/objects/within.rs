@@ -651,7 +651,11 @@ impl Objects {
         let Passages { passage, region, single, .. } =
             self.pass_each(group, items, some, rays, splat(simd, 0.0));
         progress.uncertain |= passage.uncertain & rays.queried;
-        let object = Lanes::load_array(simd, items.map(f64::from));
+        let mut object = Row([0.0; LANES]);
+        for lane in 0..LANES {
+            object.0[lane] = f64::from(items[lane]);
+        }
+        let object = Lanes::load_array_ref(simd, &object.0);
         progress.meet(simd, (object, region), &passage, rays.queried, Some(single))
     }
 
