@@ -34,7 +34,7 @@ pub(crate) struct VolumePaths {
     names: Vec<String>,
     /// The copy number of each path.
     copies: Vec<i64>,
-    /// The numbers of the paths; those of the last ones may be missing until a path is looked up.
+    /// The numbers of the paths; those of the last ones may be missing until the next search for a path.
     numbers: HashMap<String, u32>,
     /// The numbers by region, and by placement and leaf of a face: paths are made once.
     known: FxHashMap<(u32, Option<[u32; 2]>), u32>,
