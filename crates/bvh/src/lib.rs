@@ -68,5 +68,5 @@ pub use exact::{ExactBvh, FlatChild, FlatNode};
 pub use frame::Probe;
 pub use front::FrontToBack;
 pub use node::WIDTH;
-pub use rays::RayTraversals;
+pub use rays::{RayTraversals, SlabRay, SlabRays};
 pub use tree::Bvh;

@@ -20,13 +20,51 @@ pub struct RayTraversals {
 
 /// A ray prepared for slab tests.
 #[derive(Clone, Copy, Debug, Default)]
-struct SlabRay {
+pub struct SlabRay {
     /// For each axis, the numbers of the planes that the ray enters and leaves the boxes by.
     planes: [[usize; 2]; 3],
     /// The other side of the comparison with these planes: the origin with the margin.
     origin: [[f64; 2]; 3],
     inverse: [f64; 3],
     from: f64,
+}
+
+/// Eight rays in memory, each to be prepared for slab tests.
+#[derive(Clone, Copy, Debug)]
+pub struct SlabRays {
+    origin: [[f64; RAYS]; 3],
+    inverse: [[f64; RAYS]; 3],
+    margin: [f64; RAYS],
+}
+
+impl SlabRays {
+    /// The rays of a bundle.
+    #[inline(always)]
+    pub fn new<S: Simd>(slabs: &BundleSlabs<S>) -> SlabRays {
+        let [x, y, z] = &slabs.origin;
+        let [a, b, c] = &slabs.inverse;
+        SlabRays {
+            origin: [x.to_array(), y.to_array(), z.to_array()],
+            inverse: [a.to_array(), b.to_array(), c.to_array()],
+            margin: slabs.margin.to_array(),
+        }
+    }
+
+    /// One of the rays, from a time on.
+    #[inline(always)]
+    #[must_use]
+    pub fn ray(&self, lane: usize, from: f64) -> SlabRay {
+        let (mut ray, margin) = (SlabRay { from, ..SlabRay::default() }, self.margin[lane % RAYS]);
+        for k in 0..3 {
+            let (origin, inverse) = (self.origin[k][lane % RAYS], self.inverse[k][lane % RAYS]);
+            let (low, high) = ((k, origin + margin), (k + 3, origin - margin));
+            // in this order, so that the ray misses empty boxes, from +inf to -inf
+            let [near, far] = if inverse > 0.0 { [low, high] } else { [high, low] };
+            ray.planes[k] = [near.0, far.0];
+            (ray.origin[k], ray.inverse[k]) = ([near.1, far.1], inverse);
+        }
+        ray
+    }
 }
 
 impl RayTraversals {
@@ -39,23 +77,21 @@ impl RayTraversals {
         slabs: &BundleSlabs<S>,
         window: &BundleWindow<S>,
     ) {
-        let rays = window.rays.to_bitmask();
+        let (rays, slabs) = (window.rays.to_bitmask(), SlabRays::new(slabs));
         for lane in 0..RAYS {
             let at = |values: &f64x8<S>| values.as_slice()[lane];
-            let (ray, margin) = (&mut self.rays[lane], at(&slabs.margin));
-            for k in 0..3 {
-                let (origin, inverse) = (at(&slabs.origin[k]), at(&slabs.inverse[k]));
-                let (low, high) = ((k, origin + margin), (k + 3, origin - margin));
-                // in this order, so that the ray misses empty boxes, from +inf to -inf
-                let [near, far] = if inverse > 0.0 { [low, high] } else { [high, low] };
-                ray.planes[k] = [near.0, far.0];
-                (ray.origin[k], ray.inverse[k]) = ([near.1, far.1], inverse);
-            }
-            ray.from = at(&window.from.0);
-            self.open[lane].clear();
-            if rays >> lane & 1 == 1 && !tree.nodes.is_empty() {
-                self.open(simd, tree, 0, lane, at(&window.until.0));
-            }
+            let until = if rays >> lane & 1 == 1 { at(&window.until.0) } else { f64::NEG_INFINITY };
+            self.begin_one(simd, tree, lane, slabs.ray(lane, at(&window.from.0)), until);
+        }
+    }
+
+    /// Starts the traversal of one ray, up to a time.
+    #[inline(always)]
+    pub fn begin_one<S: Simd>(&mut self, simd: S, tree: &ExactBvh, lane: usize, ray: SlabRay, until: f64) {
+        self.rays[lane % RAYS] = ray;
+        self.open[lane % RAYS].clear();
+        if until >= ray.from && !tree.nodes.is_empty() {
+            self.open(simd, tree, 0, lane % RAYS, until);
         }
     }
 

@@ -4,6 +4,7 @@ use crate::detector::{Detector, NO_COPY};
 use rayweave_model::Face;
 use rayweave_scene::bare_name;
 use rayweave_shape::Ray;
+use rustc_hash::FxHashMap;
 use std::collections::HashMap;
 
 /// The path of a volume and its copy number: that of the innermost placement with a number, or -1 without one. `face` is a face of the volume,
@@ -34,9 +35,10 @@ pub(crate) struct VolumePaths {
     names: Vec<String>,
     /// The copy number of each path.
     copies: Vec<i64>,
+    /// The numbers of the paths; those of the last ones may be missing until the next search for a path.
     numbers: HashMap<String, u32>,
-    /// The number by region and occurrence of a face: paths are made once.
-    known: HashMap<(u32, Option<[u32; 2]>), u32>,
+    /// The numbers by region, and by placement and leaf of a face: paths are made once.
+    known: FxHashMap<(u32, Option<[u32; 2]>), u32>,
 }
 
 impl PartialEq for VolumePaths {
@@ -96,10 +98,16 @@ impl VolumePaths {
     /// The paths that `used` has, in this order, without the others; replaces the numbers.
     pub fn used_by(&self, used: &mut [u32]) -> VolumePaths {
         let mut ordered = VolumePaths::default();
-        let mut numbers = vec![None; self.names.len()];
+        let mut numbers = vec![u32::MAX; self.names.len()];
         for number in used {
-            let old = *number as usize;
-            *number = *numbers[old].get_or_insert_with(|| ordered.insert(&self.names[old], self.copies[old]));
+            let (old, new) = (*number as usize, ordered.names.len() as u32);
+            if numbers[old] == u32::MAX {
+                // the paths are distinct: most lists of a run are never searched
+                numbers[old] = new;
+                ordered.names.push(self.names[old].clone());
+                ordered.copies.push(self.copies[old]);
+            }
+            *number = numbers[old];
         }
         ordered
     }
@@ -116,6 +124,9 @@ impl VolumePaths {
     }
 
     fn insert(&mut self, path: &str, copy: i64) -> u32 {
+        for number in self.numbers.len()..self.names.len() {
+            self.numbers.insert(self.names[number].clone(), number as u32);
+        }
         if let Some(&number) = self.numbers.get(path) {
             return number;
         }

@@ -59,8 +59,14 @@ fn load<S: Simd>(simd: S, columns: &[[f64; LANES]]) -> Vec3Lanes<S> {
 /// generated.
 #[inline(always)]
 fn run<S: Simd>(simd: S, facet: Option<&LaneFacet>, rows: &[[[f64; LANES]; 6]], rounds: usize) -> (u32, f64) {
-    let limits =
-        LaneLimits { centre: Vec3::ZERO, radius: 3.0, magnitude: 2.0, largest_radius: 1.0, bend: 1.4 };
+    let limits = LaneLimits {
+        centre: Vec3::ZERO,
+        radius: 3.0,
+        magnitude: 2.0,
+        largest_radius: 1.0,
+        bend: 1.4,
+        is_spherical: false,
+    };
     let (mut uncertain_lanes, mut sum, mut last) = (0, 0.0, [0.0; LANES]);
     for _ in 0..rounds {
         for row in rows {

@@ -118,6 +118,7 @@ impl Case {
             magnitude: self.surface.magnitude() + self.scale + self.at.length(),
             largest_radius: 0.0,
             bend: 0.0,
+            is_spherical: matches!(self.surface, Surface::Sphere(_)),
         };
         match &self.surface {
             Surface::Sphere(s) => limits.largest_radius = s.radius,

@@ -19,6 +19,8 @@ pub struct LaneLimits {
     pub largest_radius: f64,
     /// Half of the largest change of the gradient of a cone or a quadric per unit of length; 0 without any.
     pub bend: f64,
+    /// True if all curved surfaces are spheres, whose square term is the squared length of the direction.
+    pub is_spherical: bool,
 }
 
 /// Uncertain lanes, which fall back to the scalar kernels.
@@ -119,7 +121,7 @@ impl<S: Simd> LaneRay<S> {
     /// `|n . d| h <= 2 delta`. A piece that coincides with a surface of degree 2, along which f has the square term q,
     /// has `q h^2 / 2 <= 4 max |f|`, by the second difference of f over both ends and the middle, where
     /// `|f| <= delta (|grad f| + bend delta)` and `|grad f| <= 2 (radius + delta)` for spheres and cylinders,
-    /// `2 bend (|r - centre|)` for others. Both bounds are tested with a margin of at least a factor of 2.
+    /// `2 bend (|r - centre|)` for others; q is the squared speed for spheres, and has a lower bound where rays do not graze. Both bounds are tested with a margin of at least a factor of 2.
     #[inline(always)]
     pub fn may_coincide(&self, a: Lanes<S>, b: Lanes<S>, limits: &LaneLimits) -> Mask<S> {
         self.may_piece_coincide(b - a, a.abs().max(b.abs()), limits)
@@ -134,7 +136,8 @@ impl<S: Simd> LaneRay<S> {
         // |d| is at least 0.57 times the taxicab length
         let plane = (step * self.speed * (0.5 * SLOW)).simd_le(delta * 4.0);
         let size = lengths * (2.0 * limits.bend) + limits.largest_radius + delta * 4.0;
-        let round = (step * step * self.slow_square).simd_le(delta * size * 64.0);
+        let square = if limits.is_spherical { self.square } else { self.slow_square };
+        let round = (step * step * square).simd_le(delta * size * 64.0);
         let far = (self.lengths * FAR).simd_lt(lengths);
         plane | round | far
     }

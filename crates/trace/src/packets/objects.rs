@@ -7,6 +7,7 @@
 //! welded.
 
 mod cells;
+mod crowd;
 mod sliver;
 mod within;
 
@@ -16,7 +17,7 @@ use self::cells::Cells;
 use super::carved::{Bundled, Carved};
 use super::group::{BundleEvaluation, Row, load};
 use super::normal::Hits;
-use super::places::{Carried, Step, slabs, unit_gradient, unit_of_plane};
+use super::places::{Carried, LinearParts, Step, slabs, unit_gradient, unit_of_plane};
 use super::plan::{Common, LARGE, MAX_SPANS, Plan, SMALL, limits};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -129,10 +130,10 @@ impl Objects {
         }
         let Gathered { parts, objects, boxes, steps, .. } = found;
         let bounds: Vec<Bounds> = boxes.iter().map(|all| all.bounds).collect();
-        let extents =
-            |order: &[u32]| -> Vec<Bounds> { order.iter().map(|&k| boxes[k as usize].extent).collect() };
         let (tree, order) = ExactBvh::sorted(&bounds);
-        let (boxes, extents) = (tree, extents(&order));
+        let extents: Vec<Bounds> = order.iter().map(|&k| boxes[k as usize].extent).collect();
+        let bounds: Vec<Bounds> = order.iter().map(|&k| bounds[k as usize]).collect();
+        let boxes = tree;
         let mut objects: Vec<Object> = order.iter().map(|&k| objects[k as usize].clone()).collect();
         let parts = reordered(&parts, &mut objects);
         let leaves = objects.iter().map(|object| parts[object.part as usize].method.leaf_count());
@@ -143,7 +144,7 @@ impl Objects {
         let mut found =
             Objects { model, objects, parts, steps, boxes, condition, is_few, is_layered, cells, units };
         if is_layered {
-            found.cells = Cells::new(program, &found, &extents);
+            found.cells = Cells::new(program, &found, &bounds, &extents);
             found.find_units(program);
         }
         Some(found)
@@ -227,6 +228,7 @@ struct Gathered<'p> {
     objects: Vec<Object>,
     boxes: Vec<Boxes>,
     steps: Vec<Step>,
+    linear_parts: LinearParts,
 }
 
 /// The boxes of a solid in the world.
@@ -250,6 +252,7 @@ impl<'p> Gathered<'p> {
             objects: Vec::new(),
             boxes: Vec::new(),
             steps: Vec::new(),
+            linear_parts: LinearParts::default(),
         }
     }
 
@@ -300,7 +303,7 @@ impl<'p> Gathered<'p> {
         }
         let first = self.steps.len() as u32;
         self.steps.extend_from_within(within.steps.start as usize..within.steps.end as usize);
-        self.steps.push(Step::new(self.program.leaf(id).place()));
+        self.steps.push(Step::new(self.program.leaf(id).place(), &mut self.linear_parts));
         within.steps = first..self.steps.len() as u32;
         within.path.push((within.group, leaf));
         within.placement += placement;
@@ -641,21 +644,19 @@ impl Objects {
         };
         let mut left = search.first.simd_lt(f64::INFINITY).to_bitmask();
         while left != 0 {
-            let number = object.0[left.trailing_zeros() as usize % LANES];
-            let here = search.object.simd_eq(splat(simd, number)).to_bitmask();
-            let met = &self.objects[number as usize];
-            let limits = &self.parts[met.part as usize].limits;
-            let near = match self.steps(met) {
+            let (here, steps) = self.copies(&object, left);
+            let lead = &self.objects[object.0[left.trailing_zeros() as usize % LANES] as usize];
+            let limits = &self.parts[lead.part as usize].limits;
+            let near = match steps[0] {
                 [] => ray.may_coincide(search.first, next, limits),
-                steps => {
-                    let carried = Carried::new(simd, ray.origin, ray.direction, steps);
+                _ => {
+                    let carried = Carried::each(simd, ray.origin, ray.direction, &steps);
                     carried.ready(simd, limits).0.may_coincide(search.first, next, limits)
                 }
             };
-            for lane in 0..LANES {
-                if here >> lane & 1 == 1 {
-                    (first.region.0[lane], first.placement.0[lane]) = (met.region, f64::from(met.placement));
-                }
+            for lane in lanes_of(here) {
+                let met = &self.objects[object.0[lane] as usize];
+                (first.region.0[lane], first.placement.0[lane]) = (met.region, f64::from(met.placement));
             }
             let mut near = (near | search.grazes).to_bitmask() & here & left & !first.uncertain;
             left &= !here;
@@ -663,7 +664,8 @@ impl Objects {
                 let lane = near.trailing_zeros() as usize % LANES;
                 near &= near - 1;
                 let next = next.as_slice()[lane];
-                if !self.is_resolved(&first, lane, &ray.lane(lane), next, (program, window)) {
+                let hit = (self.face(&first, lane), first.t.0[lane]);
+                if !self.is_resolved(hit, &ray.lane(lane), next, (program, window)) {
                     first.uncertain |= 1 << lane;
                 }
             }
@@ -671,26 +673,46 @@ impl Objects {
         first
     }
 
+    /// The lanes of a bit mask, not 0, whose solids are copies of that of the first of them, and the transforms into their
+    /// frames; those of the other lanes are the transforms of the first one.
+    #[inline(always)]
+    fn copies(&self, objects: &Row, left: u64) -> (u64, [&[Step]; LANES]) {
+        let lead = &self.objects[objects.0[left.trailing_zeros() as usize % LANES] as usize];
+        let (mut here, mut steps) = (0, [self.steps(lead); LANES]);
+        for lane in lanes_of(left) {
+            let object = &self.objects[objects.0[lane] as usize];
+            if object.part == lead.part && object.steps.len() == lead.steps.len() {
+                here |= 1 << lane;
+                steps[lane] = self.steps(object);
+            }
+        }
+        (here, steps)
+    }
+
     /// True if no change at time `next` or later, within the model, can be welded to the first crossing of a
     /// ray.
     fn is_resolved(
         &self,
-        first: &First,
-        lane: usize,
+        (face, t): (Face, f64),
         ray: &rayweave_shape::Ray,
         next: f64,
         (program, window): (&Program, Window),
     ) -> bool {
-        let face = self.face(first, lane);
         let limits = &self.model.limits;
         let end = ray.closest_time(limits.centre) + limits.radius / ray.direction.length();
-        ray.separated_along(program, face, first.t.0[lane], (next, end.min(window.t_max()).max(next)))
+        ray.separated_along(program, face, t, (next, end.min(window.t_max()).max(next)))
     }
 
     /// The face of a hit.
     pub fn face(&self, first: &First, lane: usize) -> Face {
         let face = self.model.faces[first.face.0[lane] as usize];
         Face { placement: PlacementId(first.placement.0[lane] as u32), ..face }
+    }
+
+    /// A face of a solid, by their numbers.
+    fn face_of(&self, object: f64, face: f64) -> Face {
+        let placement = PlacementId(self.objects[object as usize].placement);
+        Face { placement, ..self.model.faces[face as usize] }
     }
 
     /// The normals of hits, and a bit mask of the lanes that must be computed one by one.
@@ -705,8 +727,6 @@ impl Objects {
         if self.steps.is_empty() {
             return hits.normals(simd, &self.model.slopes);
         }
-        let objects = Lanes::load_array_ref(simd, &first.object.0);
-        let faces = Lanes::load_array_ref(simd, &first.face.0);
         let mut known = [Row([f64::NAN; LANES]); 3];
         let mut left = hits.hit;
         for lane in (0..LANES).filter(|lane| hits.hit >> lane & 1 == 1) {
@@ -719,15 +739,16 @@ impl Objects {
         let mut others = 0;
         while left != 0 {
             let lane = left.trailing_zeros() as usize % LANES;
-            let (number, face) = (first.object.0[lane], first.face.0[lane]);
-            let here = objects.simd_eq(splat(simd, number)) & faces.simd_eq(splat(simd, face));
-            let steps = self.steps(&self.objects[number as usize]);
-            let ray = Carried::new(simd, hits.origin, hits.direction, steps);
-            match unit_gradient(simd, (program, &self.model.slopes), face, &ray, hits.t, steps) {
-                Some(unit) => units = units.or_where(here, unit),
-                None => others |= left & here.to_bitmask(),
+            let face = first.face.0[lane];
+            let (copies, steps) = self.copies(&first.object, left);
+            let here = lanes_of(copies).filter(|&lane| first.face.0[lane] == face);
+            let here = here.fold(0, |all: u64, lane| all | 1 << lane);
+            let ray = Carried::each(simd, hits.origin, hits.direction, &steps);
+            match unit_gradient(simd, (program, &self.model.slopes), face, &ray, hits.t, &steps) {
+                Some(unit) => units = units.or_where(Mask::from_bitmask(simd, here), unit),
+                None => others |= here,
             }
-            left &= !here.to_bitmask();
+            left &= !here;
         }
         hits.oriented(simd, units, others)
     }
@@ -750,6 +771,15 @@ impl Objects {
 /// Largest angle in radians, and largest distance in radii of the model, between rays that are traced
 /// together.
 const NEAR: f64 = 0.03;
+
+/// The lanes in a bit mask.
+fn lanes_of(mut mask: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = (mask != 0).then(|| mask.trailing_zeros() as usize % LANES);
+        mask &= mask.wrapping_sub(1);
+        lane
+    })
+}
 
 /// The greatest of eight times.
 #[inline(always)]

@@ -9,6 +9,7 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_model::{MARGIN, Place, Program};
 use rayweave_shape::lanes::{LANES, LaneLimits, LaneRay, Lanes, Uncertain, Vec3Lanes, splat};
 use rayweave_shape::surface::Surface;
+use std::collections::HashMap;
 
 /// A transform on the path into the frame of a placed solid.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +17,13 @@ pub(super) struct Step {
     place: Place,
     /// Largest factor by which it scales a length: the norm of the linear part.
     norm: f64,
+    /// The number of the linear part among those of the model.
+    linear: u32,
 }
+
+/// The numbers of the distinct linear parts of transforms.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LinearParts(HashMap<[u64; 9], u32>);
 
 /// Eight rays in the frame of a placed solid.
 #[derive(Clone, Copy)]
@@ -33,7 +40,7 @@ impl<S: Simd> Carried<S> {
     #[inline(always)]
     pub fn new(simd: S, origin: Vec3Lanes<S>, direction: Vec3Lanes<S>, steps: &[Step]) -> Self {
         let mut ray = Carried { origin, direction, magnitude: splat(simd, 0.0) };
-        for Step { place, norm } in steps {
+        for Step { place, norm, .. } in steps {
             let down = &place.local_from_world;
             ray = Carried {
                 origin: turned(down, ray.origin).plus_all(down.translation),
@@ -49,29 +56,35 @@ impl<S: Simd> Carried<S> {
     pub fn each(simd: S, origin: Vec3Lanes<S>, direction: Vec3Lanes<S>, steps: &[&[Step]; LANES]) -> Self {
         let mut ray = Carried { origin, direction, magnitude: splat(simd, 0.0) };
         for depth in 0..steps[0].len() {
-            let mut columns = [[0.0; LANES]; 14];
-            for (lane, steps) in steps.iter().enumerate() {
-                let Some(step) = steps.get(depth) else { continue };
-                let Affine { linear, translation } = &step.place.local_from_world;
-                let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
-                let values = [x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z];
-                for k in 0..9 {
-                    columns[k][lane] = values[k];
+            let here = at_depth(steps, depth);
+            let [x, y, z, path] = gathered(simd, &here, |Step { place, .. }| {
+                let Vec3 { x, y, z } = place.local_from_world.translation;
+                [x, y, z, place.path]
+            });
+            let shift = Vec3Lanes { x, y, z };
+            let lengths = ray.origin.taxicab() + path + ray.magnitude;
+            // copies are rarely turned: a translation gathers less
+            ray = if is_parallel(&here) {
+                let down = &here[0].place.local_from_world;
+                Carried {
+                    origin: turned(down, ray.origin).plus(shift),
+                    direction: turned(down, ray.direction),
+                    magnitude: lengths * here[0].norm,
                 }
-                (columns[9][lane], columns[10][lane]) = (translation.x, translation.y);
-                (columns[11][lane], columns[12][lane]) = (translation.z, step.place.path);
-                columns[13][lane] = step.norm;
-            }
-            let load = |k: usize| Lanes::load_array_ref(simd, &columns[k]);
-            let turned = |v: Vec3Lanes<S>| {
-                let row = |k: usize| v.dot(Vec3Lanes { x: load(k), y: load(k + 1), z: load(k + 2) });
-                Vec3Lanes { x: row(0), y: row(3), z: row(6) }
-            };
-            let [x, y, z, path, norm] = [load(9), load(10), load(11), load(12), load(13)];
-            ray = Carried {
-                origin: turned(ray.origin).plus(Vec3Lanes { x, y, z }),
-                direction: turned(ray.direction),
-                magnitude: (ray.origin.taxicab() + path + ray.magnitude) * norm,
+            } else {
+                let [xx, xy, xz, yx, yy, yz, zx, zy, zz, norm] = gathered(simd, &here, |step| {
+                    let linear = &step.place.local_from_world.linear;
+                    let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
+                    [x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z, step.norm]
+                });
+                let x = Vec3Lanes { x: xx, y: xy, z: xz };
+                let y = Vec3Lanes { x: yx, y: yy, z: yz };
+                let z = Vec3Lanes { x: zx, y: zy, z: zz };
+                Carried {
+                    origin: dots(ray.origin, [x, y, z]).plus(shift),
+                    direction: dots(ray.direction, [x, y, z]),
+                    magnitude: lengths * norm,
+                }
             };
         }
         ray
@@ -110,9 +123,63 @@ fn turned<S: Simd>(map: &Affine, v: Vec3Lanes<S>) -> Vec3Lanes<S> {
     v.dots([linear.row(0), linear.row(1), linear.row(2)])
 }
 
+/// One transform for each of eight rays, from their lists: those at a depth.
+#[inline(always)]
+fn at_depth<'s>(steps: &[&'s [Step]; LANES], depth: usize) -> [&'s Step; LANES] {
+    let mut here = [&steps[0][depth]; LANES];
+    for lane in 1..LANES {
+        if let Some(step) = steps[lane].get(depth) {
+            here[lane] = step;
+        }
+    }
+    here
+}
+
+/// True if the transforms have one linear part.
+#[inline(always)]
+fn is_parallel(steps: &[&Step; LANES]) -> bool {
+    let mut differ = 0;
+    for step in steps {
+        differ |= step.linear ^ steps[0].linear;
+    }
+    differ == 0
+}
+
+/// Some numbers of the transforms of eight rays, each in lanes.
+#[inline(always)]
+fn gathered<S: Simd, const N: usize>(
+    simd: S,
+    steps: &[&Step; LANES],
+    values: impl Fn(&Step) -> [f64; N],
+) -> [Lanes<S>; N] {
+    let mut columns = [[0.0; LANES]; N];
+    for lane in 0..LANES {
+        let values = values(steps[lane]);
+        for k in 0..N {
+            columns[k][lane] = values[k];
+        }
+    }
+    // no `map`, whose closure would not be compiled for the instruction set
+    let mut lanes = [splat(simd, 0.0); N];
+    for k in 0..N {
+        lanes[k] = Lanes::load_array_ref(simd, &columns[k]);
+    }
+    lanes
+}
+
+/// Dot products with three vectors of each ray.
+#[inline(always)]
+fn dots<S: Simd>(v: Vec3Lanes<S>, [x, y, z]: [Vec3Lanes<S>; 3]) -> Vec3Lanes<S> {
+    Vec3Lanes { x: v.dot(x), y: v.dot(y), z: v.dot(z) }
+}
+
 impl Step {
-    pub fn new(place: Place) -> Step {
-        Step { place, norm: place.local_from_world.linear_norm() }
+    pub fn new(place: Place, parts: &mut LinearParts) -> Step {
+        let linear = &place.local_from_world.linear;
+        let new = parts.0.len() as u32;
+        let key = std::array::from_fn(|k| linear.col(k / 3)[k % 3].to_bits());
+        let linear = *parts.0.entry(key).or_insert(new);
+        Step { place, norm: place.local_from_world.linear_norm(), linear }
     }
 
     /// The image of a point.
@@ -120,17 +187,28 @@ impl Step {
         self.place.local_from_world.point(point)
     }
 
-    /// [`Step::back`] for one gradient.
+    /// Transforms a gradient to the outer frame, by the transpose.
     fn back_one(&self, gradient: Vec3) -> Vec3 {
         let down = &self.place.local_from_world.linear;
         Vec3::from_array([down.x_axis, down.y_axis, down.z_axis].map(|axis| gradient.dot(axis)))
     }
 
-    /// Transforms gradients to the outer frame, by the transpose.
+    /// Transforms gradients to the outer frames, by the transposes.
     #[inline(always)]
-    fn back<S: Simd>(&self, gradient: Vec3Lanes<S>) -> Vec3Lanes<S> {
-        let down = &self.place.local_from_world.linear;
-        gradient.dots([down.x_axis, down.y_axis, down.z_axis])
+    fn back<S: Simd>(simd: S, steps: &[&Step; LANES], gradient: Vec3Lanes<S>) -> Vec3Lanes<S> {
+        if is_parallel(steps) {
+            let down = &steps[0].place.local_from_world.linear;
+            return gradient.dots([down.x_axis, down.y_axis, down.z_axis]);
+        }
+        let [xx, xy, xz, yx, yy, yz, zx, zy, zz] = gathered(simd, steps, |step| {
+            let down = &step.place.local_from_world.linear;
+            let [x, y, z] = [down.x_axis, down.y_axis, down.z_axis];
+            [x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z]
+        });
+        let x = Vec3Lanes { x: xx, y: xy, z: xz };
+        let y = Vec3Lanes { x: yx, y: yy, z: yz };
+        let z = Vec3Lanes { x: zx, y: zy, z: zz };
+        dots(gradient, [x, y, z])
     }
 }
 
@@ -142,8 +220,8 @@ pub(super) fn unit_of_plane(normal: Vec3, steps: &[Step]) -> Vec3 {
 }
 
 /// The unit gradients, in the frame of the world, of a face hit by rays at times `t`, by the operations of
-/// [`rayweave_model::attributes::world_gradient`] and of its normalisation. `None` for faces whose normals
-/// are computed one by one.
+/// [`rayweave_model::attributes::world_gradient`] and of its normalisation. Each ray hits the face of a copy of its own.
+/// `None` for faces whose normals are computed one by one.
 #[inline(always)]
 pub(super) fn unit_gradient<S: Simd>(
     simd: S,
@@ -151,7 +229,7 @@ pub(super) fn unit_gradient<S: Simd>(
     face: f64,
     ray: &Carried<S>,
     t: Lanes<S>,
-    steps: &[Step],
+    steps: &[&[Step]; LANES],
 ) -> Option<Vec3Lanes<S>> {
     let place = ray.origin.plus(ray.direction.times(t));
     let two = splat(simd, 2.0);
@@ -169,8 +247,8 @@ pub(super) fn unit_gradient<S: Simd>(
             Vec3Lanes::splat(simd, plane.normal)
         }
     };
-    for step in steps.iter().rev() {
-        gradient = step.back(gradient);
+    for depth in (0..steps[0].len()).rev() {
+        gradient = Step::back(simd, &at_depth(steps, depth), gradient);
     }
     Some(scaled_to_unit(simd, gradient))
 }

@@ -377,10 +377,12 @@ pub(super) fn limits(
         magnitude: group.ball.centre.length() + group.ball.radius / 16.0,
         largest_radius: 0.0,
         bend: 0.0,
+        is_spherical: true,
     };
     let facets = leaves.flat_map(|leaf| program.leaf(leaf).facets());
     for entry in facets.map(|facet| program.surface(facet.surface())) {
         limits.magnitude = limits.magnitude.max(entry.magnitude);
+        limits.is_spherical &= matches!(entry.surface, Surface::Plane(_) | Surface::Sphere(_));
         match &entry.surface {
             Surface::Plane(_) => {}
             Surface::Sphere(s) => limits.largest_radius = limits.largest_radius.max(s.radius),

@@ -1,6 +1,6 @@
 //! Layered models: volumes in volumes, in copies, some of which touch, each region with a medium of its own.
 
-use crate::arrange::{cube, gap, sphere};
+use crate::arrange::{cube, cylinder, gap, sphere};
 use crate::oracle::{Setting, levels};
 use crate::starts;
 use rayweave_conformance::{Random, Tally};
@@ -99,6 +99,53 @@ fn a_tank_of_many_solids() {
         starts::follow(&setting, levels()[seed as usize % 2], rng, &mut tally);
     }
     tally.finish(1_000);
+}
+
+/// A tank whose solids are turned, each in its own way, and of which some are not convex or are unions of several parts; some
+/// reach through the wall, some overlap, and each has another one within it.
+fn turned_solids(rng: &mut Random, frame: &Affine) -> Vec<Region> {
+    let pitch = rng.pick(&[2.2, 1.7]);
+    let at = |k: u32| pitch * Vec3::new(f64::from(k % 4), f64::from(k / 4 % 4), f64::from(k / 16));
+    let is_turned = rng.chance(0.7);
+    let mut map = |k: u32| {
+        let angle = if is_turned { 90.0 * f64::from(k % 3) + 10.0 } else { 0.0 };
+        Affine::rotation(rng.direction(), angle).then(&Affine::translate(at(k)))
+    };
+    let maps: Vec<Affine> = (0..48).map(&mut map).collect();
+    let outer = match rng.below(4) {
+        0 => cylinder(0.8, 1.0),
+        1 => cube(Vec3::splat(0.7)) - sphere(0.9),
+        2 => sphere(0.7) | cylinder(0.3, 2.0),
+        _ => sphere(0.9),
+    };
+    let core = sphere(0.1).translate([0.0, 0.0, rng.pick(&[0.0, 0.6])]);
+    let wall = rng.pick(&[20.0, 3.0 * pitch]);
+    let tank = cube(Vec3::splat(wall)).translate([pitch * 1.5; 3]);
+    let solids = [cube(Vec3::splat(40.0)), tank, outer.place(maps.clone()), core.place(maps)];
+    let region = |(k, solid): (u32, Solid)| Region {
+        name: format!("layer {k}"),
+        solid: solid.apply(*frame),
+        medium: k + 1,
+    };
+    (0..).zip(solids).map(region).collect()
+}
+
+#[test]
+fn a_tank_of_turned_solids() {
+    let mut tally = Tally::new("a tank of turned solids");
+    for seed in 0..16 {
+        let rng = &mut Random::new(11 << 40 | seed);
+        let frame = if rng.chance(0.5) { Affine::rotation(rng.direction(), 30.0) } else { Affine::IDENTITY };
+        let regions = turned_solids(rng, &frame);
+        let ray = |_| {
+            let from = Vec3::from_array([(); 3].map(|()| rng.between(-4.0, 10.0)));
+            Ray::new(from, rng.direction()).transformed(&frame)
+        };
+        let rays = (0..50).map(ray).collect();
+        let Some(setting) = Setting::new(regions, rays, format!("turned, seed {seed}")) else { continue };
+        starts::follow(&setting, levels()[seed as usize % 2], rng, &mut tally);
+    }
+    tally.finish(1_500);
 }
 
 /// A ray that starts within one copy of a region, on the plane of a face of another copy: the solids beside that copy are not

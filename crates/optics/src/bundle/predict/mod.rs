@@ -323,5 +323,6 @@ fn limits(program: &Program) -> LaneLimits {
             .fold(ball.centre.length() + ball.radius, f64::max),
         largest_radius: entries.iter().map(|entry| radius(&entry.surface)).fold(0.0, f64::max),
         bend: 0.0,
+        is_spherical: false,
     }
 }

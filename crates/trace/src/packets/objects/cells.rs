@@ -3,9 +3,10 @@
 //! A ray that starts on a surface and inside of a solid, or on its outside within the solid around it, needs no search for the
 //! solids along its way: they are those whose boxes touch the box of the solid, and their list is computed in advance. Solids
 //! that contain all of that box, with a margin, have no events there; only the last of them counts, as the region behind
-//! the surface.
+//! the surface. Where many solids lie within one, such as phototubes in a tank, a tree of them replaces the list.
 
 use super::{Method, Object, Objects};
+use rayweave_bvh::ExactBvh;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{PlacementId, Program, Start, SurfaceId};
 use rayweave_shape::surface::Surface;
@@ -17,6 +18,7 @@ use std::ops::{ControlFlow, Range};
 pub(super) struct Cells {
     /// Sorted by class.
     cells: Vec<Cell>,
+    crowds: Vec<Crowd>,
     /// The lists of objects, one after the other: the solid of the cell, then the others.
     lists: Vec<u32>,
     /// For the surfaces of each placement, the cells where f > 0 and where f < 0.
@@ -39,6 +41,16 @@ pub(super) struct Cell {
     pub region: f64,
     /// Cells of equal class have lists of copies of the same parts.
     pub class: u32,
+    /// The number of the tree of the others; [`NONE`] if they are few and in the list.
+    pub crowd: u32,
+}
+
+/// The many solids that rays within a solid can meet.
+#[derive(Clone, Debug)]
+pub(super) struct Crowd {
+    pub tree: ExactBvh,
+    /// The solids in the order of the tree.
+    pub solids: Vec<u32>,
 }
 
 /// No cell.
@@ -55,8 +67,11 @@ const SLACK_OF_PLANES: f64 = 1e-7;
 /// Largest number of solids in a list.
 const LISTED: usize = 8;
 
-/// Number of boxes that touch the box of a solid above which it gets no list.
+/// Number of boxes that touch the box of a solid up to which all solids get a list.
 const TOUCHING: usize = 64;
+
+/// Number of further boxes that touch the boxes of solids, per solid of the model, beyond which no solid gets a longer list.
+const CROWDED: usize = 16;
 
 /// Number of solids near a solid up to which those within others are found.
 const NESTED: usize = 16;
@@ -67,26 +82,38 @@ const SPARSE: usize = 256;
 /// The list of a solid, without its class.
 struct Draft {
     list: Vec<u32>,
+    /// True if the list is long.
+    is_crowded: bool,
     base: f64,
     mother: Option<u32>,
 }
 
 impl Cells {
-    /// The cells of all solids with short lists; `extents` are boxes around all of each solid.
-    pub fn new(program: &Program, objects: &Objects, extents: &[Bounds]) -> Cells {
+    /// The cells of all solids with lists; `bounds` are the boxes of the solids, and `extents` those around all of each.
+    pub fn new(program: &Program, objects: &Objects, bounds: &[Bounds], extents: &[Bounds]) -> Cells {
         let limits = &objects.model.limits;
         let slack = match limits.largest_radius == 0.0 && limits.bend == 0.0 {
             true => SLACK_OF_PLANES * (2.0 * limits.radius + limits.centre.length()),
             false => SLACK * limits.radius,
         };
-        let drafts: Vec<Option<Draft>> =
-            (0..extents.len()).map(|k| Draft::new(program, objects, (k, extents), slack)).collect();
+        let mut budget = CROWDED * extents.len();
+        let mut drafts: Vec<Option<Draft>> = (0..extents.len())
+            .map(|k| Draft::new(program, objects, (k, extents), slack, &mut budget))
+            .collect();
+        if drafts.iter().flatten().any(|draft| draft.is_crowded) {
+            let covers = objects.covers(program, extents, slack);
+            for (draft, object) in drafts.iter_mut().zip(&objects.objects) {
+                if let Some(draft) = draft.as_mut().filter(|draft| draft.is_crowded) {
+                    draft.thin_out(objects, object.region, &covers);
+                }
+            }
+        }
         let mut classes = HashMap::new();
         let mut order: Vec<(u32, u32)> = Vec::new();
         for (k, draft) in (0..).zip(&drafts) {
             let Some(draft) = draft else { continue };
-            let key: Vec<_> = draft
-                .list
+            let listed = if draft.is_crowded { &draft.list[..1] } else { &draft.list };
+            let key: Vec<_> = listed
                 .iter()
                 .map(|&item| {
                     let object = &objects.objects[item as usize];
@@ -103,9 +130,17 @@ impl Cells {
             let Some(draft) = &drafts[k as usize] else { continue };
             of_object[k as usize] = found.cells.len() as u32;
             let first = found.lists.len() as u32;
-            found.lists.extend(&draft.list);
+            let (own, others) = draft.list.split_at(1);
+            found.lists.extend(own);
+            let mut crowd = NONE;
+            if draft.is_crowded {
+                crowd = found.crowds.len() as u32;
+                found.crowds.push(Crowd::new(others, bounds));
+            } else {
+                found.lists.extend(others);
+            }
             let (list, region) = (first..found.lists.len() as u32, objects.objects[k as usize].region);
-            found.cells.push(Cell { list, base: draft.base, region, class });
+            found.cells.push(Cell { list, base: draft.base, region, class, crowd });
         }
         found.of_region = regions(objects, &of_object);
         let around = |k: usize| {
@@ -168,6 +203,11 @@ impl Cells {
         &self.lists[cell.list.start as usize..cell.list.end as usize]
     }
 
+    /// The many solids of a cell, by their number.
+    pub fn crowd(&self, number: u32) -> &Crowd {
+        &self.crowds[number as usize]
+    }
+
     /// The number of cells.
     pub fn count(&self) -> usize {
         self.cells.len()
@@ -205,22 +245,31 @@ fn regions(objects: &Objects, of_object: &[u32]) -> Vec<u32> {
     found.into_iter().map(|cell| cell.unwrap_or(NONE)).collect()
 }
 
+impl Crowd {
+    fn new(solids: &[u32], bounds: &[Bounds]) -> Crowd {
+        let boxes: Vec<Bounds> = solids.iter().map(|&k| bounds[k as usize]).collect();
+        let (tree, order) = ExactBvh::sorted(&boxes);
+        Crowd { tree, solids: order.into_iter().map(|k| solids[k as usize]).collect() }
+    }
+}
+
 impl Draft {
-    /// The list of a solid; `None` if it is long or has no extent.
+    /// The list of a solid; `None` if it has no extent, or if too many boxes touch its own. `budget` is the number of
+    /// further boxes that may touch those of all solids.
     fn new(
         program: &Program,
         objects: &Objects,
         (own, extents): (usize, &[Bounds]),
         slack: f64,
+        budget: &mut usize,
     ) -> Option<Draft> {
         let (object, extent) = (&objects.objects[own], &extents[own]);
         if !extent.is_finite() {
             return None;
         }
-        let is_carved = |k: u32| {
-            let part = &objects.parts[objects.objects[k as usize].part as usize];
-            matches!(part.method, Method::Carved(_))
-        };
+        if objects.is_carved(own as u32) {
+            return None;
+        }
         // twice, for the rounding of the sums
         let around = extent.grown(2.0 * slack);
         let mut near = Vec::new();
@@ -228,9 +277,14 @@ impl Draft {
             |bounds| !bounds.intersection(&around).is_empty(),
             |k| {
                 near.push(k as u32);
-                if near.len() > TOUCHING { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                if near.len() > TOUCHING + *budget {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
             },
         );
+        *budget -= near.len().saturating_sub(TOUCHING).min(*budget);
         if all.is_break() {
             return None;
         }
@@ -257,15 +311,51 @@ impl Draft {
         }
         list.sort_by_key(|&k| (get(k).part, get(k).region as u32, k));
         list.insert(0, own as u32);
-        // there is no kernel for rays that start on carved solids
-        if list.len() > LISTED || list.iter().any(|&k| is_carved(k)) {
-            return None;
-        }
-        Some(Draft { list, base, mother })
+        let is_crowded = !objects.is_short(&list);
+        Some(Draft { list, is_crowded, base, mother })
+    }
+
+    /// Removes the solids within others from a long list. `region` is that of the solid, and `covers` are those around all.
+    fn thin_out(&mut self, objects: &Objects, region: f64, covers: &[f64]) {
+        let own = self.list[0];
+        // rays meet the solid around it first, and start elsewhere if they start in that
+        self.list.retain(|&k| k == own || covers[k as usize] <= region);
+        self.is_crowded = !objects.is_short(&self.list);
     }
 }
 
 impl Objects {
+    /// There is no kernel for rays that start on carved solids.
+    fn is_carved(&self, k: u32) -> bool {
+        matches!(self.parts[self.objects[k as usize].part as usize].method, Method::Carved(_))
+    }
+
+    /// True if the solids of a list are so few that every ray is intersected with all of them.
+    fn is_short(&self, list: &[u32]) -> bool {
+        list.len() <= LISTED && !list.iter().any(|&k| self.is_carved(k))
+    }
+
+    /// For each solid, the last region with another solid that contains its box, with a margin; 0 if none is found.
+    fn covers(&self, program: &Program, extents: &[Bounds], slack: f64) -> Vec<f64> {
+        let cover = |k: usize| {
+            let around = extents[k].grown(2.0 * slack);
+            let (mut last, mut count) = (0.0, 0);
+            let _ = self.boxes.visit(
+                |bounds| bounds.union(&around) == *bounds,
+                |other| {
+                    let shell = &self.objects[other];
+                    if other != k && shell.region > last && self.contains_box(program, shell, &around) {
+                        last = shell.region;
+                    }
+                    count += 1;
+                    if count == TOUCHING { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                },
+            );
+            last
+        };
+        (0..extents.len()).map(cover).collect()
+    }
+
     /// True if a box certainly lies in a convex solid: if its corners do.
     fn contains_box(&self, program: &Program, object: &Object, bounds: &Bounds) -> bool {
         let Method::Plan(plan) = &self.parts[object.part as usize].method else { return false };
@@ -287,5 +377,45 @@ impl Objects {
             let corner = steps.iter().fold(corner, |point, step| step.point(point));
             self.parts[object.part as usize].sides.iter().all(|side| holds(side, corner))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::packets::plan::Common;
+    use rayweave_math::Affine;
+    use rayweave_model::{Region, Solid};
+    use rayweave_shape::primitive::{Value, build};
+
+    fn shape(name: &str, argument: &str, value: f64) -> Solid {
+        Solid::from(build(name, &[(argument, Value::Number(value))]).unwrap())
+    }
+
+    /// A tank of tubes, each with a cathode within it, has a tree of the tubes, and a tube has a list.
+    #[test]
+    fn a_tank_has_a_tree_of_the_solids_directly_within_it() {
+        let maps: Vec<Affine> = (0..100)
+            .map(|k| Affine::translate(Vec3::new(f64::from(k % 10), f64::from(k / 10), 0.0)))
+            .collect();
+        let solids = [
+            shape("box", "size", 60.0),
+            shape("box", "size", 50.0),
+            shape("sphere", "radius", 0.4).place(maps.clone()),
+            shape("sphere", "radius", 0.3).place(maps),
+        ];
+        let region =
+            |(k, solid): (u32, &Solid)| Region { name: format!("{k}"), solid: solid.clone(), medium: k + 1 };
+        let regions: Vec<Region> = (0..).zip(&solids).map(region).collect();
+        let program = Program::compile_regions(&regions).unwrap();
+        let objects = Objects::new(&program, &Common::new(&program).unwrap()).unwrap();
+        let cells = &objects.cells;
+        let tank = cells.get(cells.of_region(2));
+        let others = &cells.crowd(tank.crowd).solids;
+        assert_eq!((tank.base, others.len()), (1.0, 100));
+        assert!(others.iter().all(|&k| objects.objects[k as usize].region == 3.0));
+        let tubes: Vec<&Cell> = cells.cells.iter().filter(|cell| cell.region == 3.0).collect();
+        assert_eq!(tubes.len(), 100);
+        assert!(tubes.iter().all(|tube| tube.crowd == NONE && cells.list(tube).len() == 2));
     }
 }

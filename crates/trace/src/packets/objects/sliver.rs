@@ -7,7 +7,7 @@
 use super::within::Met;
 use super::{First, Objects};
 use rayweave_model::weld::Trajectory;
-use rayweave_model::{Crossing, Face, LeafId, PlacementId, Program, RegionId};
+use rayweave_model::{Crossing, Face, LeafId, Program, RegionId};
 use rayweave_shape::Ray;
 
 /// An end of the way of one ray through a solid.
@@ -82,12 +82,6 @@ impl Objects {
             return None;
         }
         Some(Crossing { t: b, face, left, entered, before, after: RegionId(region as u32) })
-    }
-
-    /// A face of a solid, by their numbers.
-    fn face_of(&self, object: f64, face: f64) -> Face {
-        let placement = PlacementId(self.objects[object as usize].placement);
-        Face { placement, ..self.model.faces[face as usize] }
     }
 
     /// The leaf of the model's own group that a face belongs to.

@@ -10,13 +10,14 @@ use super::super::group::{BundleEvaluation, CODE, Memory, Row, whole};
 use super::super::normal::Hits;
 use super::super::places::{Carried, slabs};
 use super::cells::{Cell, NONE};
-use super::{First, Method, Objects, Part, Search, latest};
+use super::crowd::Seekers;
+use super::{First, Method, Objects, Part, Search, lanes_of, latest};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_bvh::{BundleSlabs, BundleTraversal, BundleWindow, RayTraversals};
 use rayweave_math::Vec3;
 use rayweave_model::{
-    Crossing, Evaluator, MARGIN, Program, Query, RayAnswer, Rays, RegionId, Start, attributes,
+    Crossing, Evaluator, MARGIN, Program, Query, RayAnswer, Rays, RegionId, Start, StartLists, attributes,
 };
 use rayweave_shape::lanes::{LANES, LaneRay, LaneStarts, Lanes, Mask, Vec3Lanes, splat};
 
@@ -27,6 +28,7 @@ pub(in super::super) struct Walk {
     apart: RayTraversals,
     met: Vec<Met>,
     starts: Starts,
+    pub(super) seekers: Seekers,
     /// The rays in the order in which they are traced, as sort keys in the upper half and numbers in the lower one.
     order: Vec<u64>,
     /// The rays that start in a cell, with its number in the upper half.
@@ -56,41 +58,52 @@ pub(super) struct Met {
 }
 
 /// The ways of eight rays through solids with one part.
-struct Passage<S: Simd> {
+pub(super) struct Passage<S: Simd> {
     /// As in [`Met`].
-    first: Lanes<S>,
-    second: Lanes<S>,
-    face: Lanes<S>,
-    inside: Mask<S>,
-    grazes: Mask<S>,
+    pub first: Lanes<S>,
+    pub second: Lanes<S>,
+    pub face: Lanes<S>,
+    pub inside: Mask<S>,
+    pub grazes: Mask<S>,
     /// The rays that fall back to the weave.
-    uncertain: Mask<S>,
+    pub uncertain: Mask<S>,
     is_single: bool,
 }
 
+/// The ways of eight rays, each through a solid of its own.
+pub(super) struct Passages<S: Simd> {
+    pub passage: Passage<S>,
+    /// The regions of the solids.
+    pub region: Lanes<S>,
+    /// Bit mask of the rays with no more than two changes.
+    single: u64,
+    /// The rays whose first change may be welded to another one within a distance behind it.
+    pub near: Mask<S>,
+}
+
 /// The rays of a bundle that are traced, with the surfaces on which they start and the intervals of t.
-struct Departures<'e, S: Simd> {
-    ray: &'e LaneRay<S>,
-    starts: &'e Starts,
-    queried: Mask<S>,
-    from: Lanes<S>,
-    t_max: f64,
+pub(super) struct Departures<'e, S: Simd> {
+    pub ray: &'e LaneRay<S>,
+    pub starts: &'e Starts,
+    pub queried: Mask<S>,
+    pub from: Lanes<S>,
+    pub t_max: f64,
 }
 
 /// The surfaces that eight rays start on: the first of each ray in lanes, and a list of the others.
 #[derive(Clone, Debug, Default)]
-struct Starts {
-    first: FirstStarts,
-    others: Vec<LaneStart>,
+pub(super) struct Starts {
+    pub first: FirstStarts,
+    pub others: Vec<LaneStart>,
 }
 
 /// The first start surfaces of eight rays, with -1 for none.
 #[derive(Clone, Copy, Debug)]
-struct FirstStarts {
-    surface: Row,
-    placement: Row,
+pub(super) struct FirstStarts {
+    pub surface: Row,
+    pub placement: Row,
     /// Bit mask of the rays with f < 0 just after the start.
-    inside: u64,
+    pub inside: u64,
 }
 
 impl Default for FirstStarts {
@@ -102,8 +115,8 @@ impl Default for FirstStarts {
 
 /// A surface that one of eight rays starts on.
 #[derive(Clone, Copy, Debug)]
-struct LaneStart {
-    lane: usize,
+pub(super) struct LaneStart {
+    pub lane: usize,
     start: Start,
 }
 
@@ -126,7 +139,7 @@ impl Met {
 }
 
 impl Starts {
-    fn read(&mut self, query: &Query<'_>, numbers: &[u64]) {
+    pub fn read(&mut self, query: &Query<'_>, numbers: &[u64]) {
         self.first = FirstStarts::default();
         self.others.clear();
         let Some(lists) = query.starts else { return };
@@ -149,13 +162,13 @@ const MAX_MET: usize = 96;
 const BEHIND: f64 = 2e-4;
 
 /// Eight rays of a batch.
-struct Eight<'n, S: Simd> {
+pub(super) struct Eight<'n, S: Simd> {
     /// The numbers of the rays, in the low halves; the last ray fills the remaining lanes.
-    numbers: &'n [u64],
-    origin: Vec3Lanes<S>,
-    direction: Vec3Lanes<S>,
+    pub numbers: &'n [u64],
+    pub origin: Vec3Lanes<S>,
+    pub direction: Vec3Lanes<S>,
     /// The lower bounds of t.
-    from: Lanes<S>,
+    pub from: Lanes<S>,
 }
 
 /// The lowest bit of a sort key that belongs to the place, not to the direction.
@@ -187,13 +200,13 @@ fn cell_of(entry: u64) -> u32 {
     (entry >> 32) as u32
 }
 
-fn number(entry: u64) -> usize {
+pub(super) fn number(entry: u64) -> usize {
     (entry & u64::from(u32::MAX)) as usize
 }
 
 impl<'n, S: Simd> Eight<'n, S> {
     #[inline(always)]
-    fn new(simd: S, rays: &Rays<'_>, query: &Query<'_>, numbers: &'n [u64]) -> Self {
+    pub fn new(simd: S, rays: &Rays<'_>, query: &Query<'_>, numbers: &'n [u64]) -> Self {
         let count = rays.len();
         let [ox, oy, oz] = rays.origins.map(|column| &column[..count]);
         let [dx, dy, dz] = rays.directions.map(|column| &column[..count]);
@@ -268,6 +281,7 @@ impl Firsts<'_, '_> {
         let mut group = BundleEvaluation::new(simd, memory);
         objects.split(&self.query, (self.rays.len(), self.regions), walk);
         let (mut order, listed) = (std::mem::take(&mut walk.order), std::mem::take(&mut walk.listed));
+        self.among_many(simd, objects, &mut group, walk, &mut order);
         let class = |entry: &u64| objects.cells.get(cell_of(*entry)).class;
         for numbers in listed.chunk_by(|a, b| class(a) == class(b)).flat_map(|same| same.chunks(LANES)) {
             let program = self.weave.program();
@@ -319,7 +333,13 @@ impl Firsts<'_, '_> {
 
     /// Writes the certain hits.
     #[inline(always)]
-    fn put_within<S: Simd>(&mut self, simd: S, objects: &Objects, first: &First, eight: &Eight<'_, S>) {
+    pub(super) fn put_within<S: Simd>(
+        &mut self,
+        simd: S,
+        objects: &Objects,
+        first: &First,
+        eight: &Eight<'_, S>,
+    ) {
         let hits = &mut *self.hits;
         for (lane, &entry) in eight.numbers.iter().enumerate() {
             let ray = number(entry);
@@ -356,7 +376,7 @@ impl Firsts<'_, '_> {
 impl Objects {
     /// Sorts the rays along a space-filling curve (Morton 1966), so that neighbours start close to each other, and those
     /// that start in one place have similar directions.
-    fn order(&self, rays: &Rays<'_>, order: &mut [u64]) {
+    pub(super) fn order(&self, rays: &Rays<'_>, order: &mut [u64]) {
         if self.is_few {
             return;
         }
@@ -376,25 +396,22 @@ impl Objects {
         order.sort_unstable();
     }
 
-    /// Lists the rays that start in a cell, sorted by cells, and the others. `regions` are the regions in which rays without a
-    /// start list probably are.
+    /// Lists the rays that start in a cell, sorted by cells, those that start among many solids, and the others. `regions` are
+    /// the regions in which rays without a start list probably are.
     fn split(&self, query: &Query<'_>, (count, regions): (usize, &[u32]), walk: &mut Walk) {
-        let Walk { order, listed, unsorted, counts, .. } = walk;
+        let Walk { order, listed, unsorted, counts, seekers, .. } = walk;
         listed.clear();
         order.clear();
+        seekers.rays.clear();
         let Some(lists) = query.starts.filter(|_| !self.cells.is_empty() && query.window.t_min() <= 0.0)
         else {
             return order.extend(0..count as u64);
         };
         unsorted.clear();
-        let (entries, firsts) = (lists.entries, &lists.first[..=count]);
         for ray in 0..count {
-            let cell = match &entries[firsts[ray] as usize..firsts[ray + 1] as usize] {
-                [] => regions.get(ray).map_or(NONE, |&region| self.cells.of_region(region)),
-                starts => self.cells.of(starts),
-            };
-            match cell {
+            match self.cell_of(&lists, regions, ray) {
                 NONE => order.push(ray as u64),
+                cell if self.cells.get(cell).crowd != NONE => seekers.rays.push(ray as u64),
                 cell => unsorted.push(u64::from(cell) << 32 | ray as u64),
             }
         }
@@ -403,6 +420,15 @@ impl Objects {
             return listed.sort_unstable();
         }
         sort_by_cell(unsorted, self.cells.count(), counts, listed);
+    }
+
+    /// The number of the cell in which a ray probably starts; [`NONE`] if there is none.
+    #[inline(always)]
+    pub(super) fn cell_of(&self, lists: &StartLists<'_>, regions: &[u32], ray: usize) -> u32 {
+        match lists.of(ray) {
+            [] => regions.get(ray).map_or(NONE, |&region| self.cells.of_region(region)),
+            starts => self.cells.of(starts),
+        }
     }
 
     /// The first hits of eight rays that start in cells of one class.
@@ -622,6 +648,43 @@ impl Objects {
         progress: &mut Progress<S>,
     ) -> Option<Met> {
         let simd = group.simd;
+        let Passages { passage, region, single, .. } =
+            self.pass_each(group, items, some, rays, splat(simd, 0.0));
+        progress.uncertain |= passage.uncertain & rays.queried;
+        let mut object = Row([0.0; LANES]);
+        for lane in 0..LANES {
+            object.0[lane] = f64::from(items[lane]);
+        }
+        let object = Lanes::load_array_ref(simd, &object.0);
+        progress.meet(simd, (object, region), &passage, rays.queried, Some(single))
+    }
+
+    /// The ways of the rays in a bit mask through the solids of a list, each ray through one of them.
+    pub(super) fn pass_each<S: Simd>(
+        &self,
+        group: &mut BundleEvaluation<'_, S>,
+        items: &[u32; LANES],
+        some: u64,
+        rays: &Departures<'_, S>,
+        behind: Lanes<S>,
+    ) -> Passages<S> {
+        // a separate function, since the kernels are large
+        group.simd.vectorize(
+            #[inline(always)]
+            || self.pass_each_here(group, items, some, rays, behind),
+        )
+    }
+
+    #[inline(always)]
+    fn pass_each_here<S: Simd>(
+        &self,
+        group: &mut BundleEvaluation<'_, S>,
+        items: &[u32; LANES],
+        some: u64,
+        rays: &Departures<'_, S>,
+        behind: Lanes<S>,
+    ) -> Passages<S> {
+        let simd = group.simd;
         let (infinity, never) = (splat(simd, f64::INFINITY), Mask::splat(simd, false));
         let mut all = Passage {
             first: infinity,
@@ -632,7 +695,7 @@ impl Objects {
             uncertain: never,
             is_single: true,
         };
-        let (mut left, mut single, mut region) = (some, 0, Row([0.0; LANES]));
+        let (mut left, mut single, mut region, mut near) = (some, 0, Row([0.0; LANES]), never);
         while left != 0 {
             let lead = &self.objects[items[left.trailing_zeros() as usize % LANES] as usize];
             let part = &self.parts[lead.part as usize];
@@ -658,17 +721,16 @@ impl Objects {
                 (ray, uncertain) = (carried, uncertain | unready.always);
             }
             let found = pass(group, part, &ray, listed.as_ref(), (rays.from, rays.t_max));
-            progress.uncertain |= (uncertain | found.uncertain) & lanes;
+            all.uncertain |= (uncertain | found.uncertain) & lanes;
             all.first = lanes.select(found.first, all.first);
             all.second = lanes.select(found.second, all.second);
             all.face = lanes.select(found.face, all.face);
             all.inside |= found.inside & lanes;
             all.grazes |= found.grazes & lanes;
+            near |= ray.may_coincide(found.first, found.first + behind, &part.limits) & lanes;
             single |= if found.is_single { here } else { 0 };
         }
-        let object = Lanes::load_array(simd, items.map(f64::from));
-        let solids = (object, Lanes::load_array_ref(simd, &region.0));
-        progress.meet(simd, solids, &all, rays.queried, Some(single))
+        Passages { passage: all, region: Lanes::load_array_ref(simd, &region.0), single, near }
     }
 }
 
@@ -706,15 +768,6 @@ impl<S: Simd> Progress<S> {
 
 /// No placement.
 const NOWHERE: f64 = -2.0;
-
-/// The lanes in a bit mask.
-fn lanes_of(mut mask: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = (mask != 0).then(|| mask.trailing_zeros() as usize % LANES);
-        mask &= mask.wrapping_sub(1);
-        lane
-    })
-}
 
 /// The ways of eight rays, in the frame of a part, through the part.
 #[inline(always)]
