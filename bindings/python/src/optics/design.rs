@@ -120,8 +120,9 @@ impl GoalOf {
     fn read(&self) -> PyResult<Goal> {
         let GoalOf(name, numbers, target, value, weight) = self;
         let operand = match (name.as_str(), numbers.as_slice()) {
+            ("spot", &[field]) => Operand::Spot { field: whole("field", field)?, wavelength_nm: None },
             ("spot", &[field, wavelength_nm]) => {
-                Operand::Spot { field: whole("field", field)?, wavelength_nm }
+                Operand::Spot { field: whole("field", field)?, wavelength_nm: Some(wavelength_nm) }
             }
             ("wavefront", &[field, wavelength_nm]) => {
                 Operand::Wavefront { field: whole("field", field)?, wavelength_nm }

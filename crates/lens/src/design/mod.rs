@@ -20,7 +20,7 @@
 //!     .vary("curvature 2".parse()?)
 //!     .vary("thickness 2".parse()?)
 //!     .goal(Goal::equal(Operand::FocalLength, 80.0).weight(10.0))
-//!     .goal(Goal::equal(Operand::Spot { field: 0, wavelength_nm: 587.5618 }, 0.0))
+//!     .goal(Goal::equal(Operand::Spot { field: 0, wavelength_nm: None }, 0.0))
 //!     .run()?;
 //! assert!((found.lens.first_order(587.5618)?.focal_length - 80.0).abs() < 1e-3);
 //!

@@ -183,7 +183,7 @@ impl Task<'_> {
 
     /// The goal of each value.
     fn goals(&self) -> impl Iterator<Item = &Goal> {
-        let count = |goal: &Goal| goal.count(self.pupil.points.len());
+        let count = |goal: &Goal| self.count_of(goal);
         self.optimiser.goals.iter().flat_map(move |goal| std::iter::repeat_n(goal, count(goal)))
     }
 
@@ -206,9 +206,14 @@ impl Task<'_> {
         Some(plus.iter().zip(&minus).map(|(plus, minus)| (plus - minus) / (2.0 * STEP)).collect())
     }
 
+    /// The number of residuals of a goal.
+    fn count_of(&self, goal: &Goal) -> usize {
+        goal.count(self.pupil.points.len(), self.optimiser.lens.lines.len())
+    }
+
     fn count(&self) -> usize {
         let goals = self.optimiser.goals.iter();
-        goals.map(|goal| goal.count(self.pupil.points.len())).sum::<usize>().max(self.scales.len())
+        goals.map(|goal| self.count_of(goal)).sum::<usize>().max(self.scales.len())
     }
 }
 

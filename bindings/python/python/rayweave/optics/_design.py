@@ -255,14 +255,16 @@ def goal(
     Operands of one number: "focal length", "back focal distance", "defocus" (from the image to the paraxial image),
     "magnification"; the Seidel sums "spherical", "coma", "astigmatism", "petzval", "distortion", "axial colour",
     "lateral colour"; a parameter by its name, such as "thickness 1"; "edge", the distance from a `surface` to the next
-    one at a `height` from the axis. Operands of all rays of a `field` at a wavelength: "spot", whose sum of squares is
-    the square of the RMS radius, and "wavefront", whose sum of squares is the square of the RMS in waves.
+    one at a `height` from the axis. Operands of all rays of a `field`: "spot", whose sum of squares is the square of
+    the RMS radius, and "wavefront" at a wavelength, whose sum of squares is the square of the RMS in waves. A spot
+    contains all wavelengths with their weights about their common centroid, as `Prescription.spots` and `tolerance`; with
+    `wavelength_nm` it has one wavelength and its own centroid, and lateral colour does not count.
 
     >>> import rayweave.optics as ro
     >>> ro.goal("focal length", 50, weight=2).target
     'equal'
-    >>> ro.goal("spot", field=0, wavelength_nm=587.6).operand
-    'spot'
+    >>> ro.goal("spot", field=0).numbers, ro.goal("spot", field=0, wavelength_nm=587.6).numbers
+    ((0.0,), (0.0, 587.6))
     """
     text(operand, "operand")
     given = {"equal": equal, "least": at_least, "most": at_most}
@@ -283,6 +285,8 @@ def goal(
         )
     places = {"field": field, "wavelength_nm": wavelength_nm, "surface": surface, "height": height}
     names = ("field", "wavelength_nm") if operand in _RAY_OPERANDS else ("surface", "height") if operand == "edge" else ()
+    if operand == "spot" and wavelength_nm is None:
+        names = ("field",)
     missing = [name for name in names if places[name] is None]
     extra = [name for name, value in places.items() if value is not None and name not in names]
     if missing:
