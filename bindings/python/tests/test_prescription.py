@@ -634,6 +634,26 @@ def test_tolerances_with_tilts_and_refocusing() -> None:
         optics.tolerance(paraboloid(), {"radius 1": ("triangle", 0.1)})  # type: ignore[dict-item]
 
 
+def test_tolerances_are_those_of_both_sides_of_the_field() -> None:
+    lens = cooke_triplet()
+    errors: dict[str, optics.Spread] = {"tilt x 3-4": 0.05, "decentre y 5-6": 0.02}
+    options = {"trials": 40, "rings": 3}
+    found = optics.tolerance(lens, errors, **options)
+    one_sided = optics.tolerance(lens, errors, mirror_fields=False, **options)
+    both = optics.tolerance(lens.replace(fields=[0, 0, 14, 20, -14, -20]), errors, **options)
+    assert (found.mirrored, one_sided.mirrored, both.mirrored) == (True, False, False)
+    np.testing.assert_allclose(found["merit"], both["merit"], rtol=1e-12)
+    rms = lens.spots(rings=3)["rms"]
+    assert found.nominal == pytest.approx(one_sided.nominal, rel=1e-12)
+    assert found.nominal == pytest.approx(math.sqrt(np.mean(rms**2)), rel=1e-4)
+    # an error to either side has the same effect
+    alone = found.sensitivities
+    np.testing.assert_allclose(alone["minus"], alone["plus"], rtol=1e-9)
+    assert np.all(alone["plus"] > found.nominal)
+    assert (one_sided["merit"] < one_sided.nominal).sum() > 5 * (found["merit"] < found.nominal).sum()
+    assert not optics.tolerance(lens, {"radius 1": 0.1}, trials=1).mirrored
+
+
 def test_the_optimiser_finds_the_lens_of_best_form() -> None:
     n, line = 1.5, D_NM
     start = Prescription([Surface(110.0, 0.01, n), Surface(-110.0, 100.0)], entrance_pupil_diameter=10)

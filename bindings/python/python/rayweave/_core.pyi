@@ -624,6 +624,7 @@ def tolerance(
     refocus: bool,
     vignette: bool,
     rings: int,
+    mirror_fields: bool | None,
     seed: int,
     threads: int | None,
 ) -> dict[str, Any]:

@@ -56,7 +56,7 @@ class Trials(Columns):
     light or a parameter leaves its range; then all rays count as lost),
     `shift`, the distance by which the image was moved to refocus it, and `lost`, the number of rays of all fields and
     wavelengths that did not arrive. `nominal` is the merit without errors, `sensitivities` the effect of each
-    parameter.
+    parameter, and `mirrored` is true if fields were evaluated on both sides of the axis.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -67,6 +67,7 @@ class Trials(Columns):
     """
 
     nominal: float
+    mirrored: bool
     sensitivities: Sensitivities
 
     def quantile(self, fraction: float) -> float:
@@ -100,6 +101,7 @@ def tolerance(
     refocus: bool = False,
     vignette: bool = False,
     rings: int = RINGS,
+    mirror_fields: bool | None = None,
     seed: int = 0,
     threads: int | None = None,
 ) -> Trials:
@@ -112,9 +114,14 @@ def tolerance(
     "focal length", the "back focal distance", or the displacement of the first field's centroid ("image shift"). A spot
     contains all wavelengths about their common centroid; rays have the weight of their wavelength times that of their
     point of the pupil (`pupil_quadrature`). Wavefronts are at the primary wavelength. Spot and wavefront merits are root mean squares
-    over all fields, with equal weights. Rays are traced from surface to surface and fill the paraxial entrance pupil in `rings`
-    rings, regardless of the semi-diameters; with `vignette`, a ray ends where it hits a surface beyond its stated
+    over all fields of the prescription, with equal weights. Rays are traced from surface to surface and fill the paraxial
+    entrance pupil in `rings` rings, regardless of the semi-diameters; with `vignette`, a ray ends where it hits a surface beyond its stated
     semi-diameter, or in its hole.
+
+    With `mirror_fields`, each field (x, y) is evaluated at (-x, -y), too, and the two have half its weight each. An error
+    that decentres or tilts a surface can improve the fields on one side of the axis as much as it spoils those on the other, so
+    that errors look harmless where the fields lie on one side only. By default fields are therefore mirrored if all lie on
+    one side, an error decentres or tilts surfaces, and the lens is round about one axis; `Trials.mirrored` states it.
 
     With `refocus`, the image of every trial is moved to the minimum of the mean square radius of all spots. Trial k
     does not depend on the number of trials or threads, and appending parameters does not change the errors of earlier
@@ -140,6 +147,7 @@ def tolerance(
         vignette=flag(vignette, "vignette"),
         # without rings there is only the ray in the middle, which has a position but no spot radius
         rings=whole(rings, "rings", least=1 if needs_rings else 0, bits=31),
+        mirror_fields=None if mirror_fields is None else flag(mirror_fields, "mirror_fields", "True, False or None"),
         seed=whole(seed, "seed"),
         threads=threads,
     )
@@ -150,7 +158,7 @@ def tolerance(
         {**columns, "merit": found["merits"], "shift": found["shifts"], "lost": found["lost"]},
         {**units, "merit": unit, "shift": lens.unit},
     )
-    table.nominal = found["nominal"]
+    table.nominal, table.mirrored = found["nominal"], found["mirrored"]
     alone: NDArray[np.float64] = np.array(found["alone"])
     table.sensitivities = Sensitivities(
         {
