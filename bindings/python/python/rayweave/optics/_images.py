@@ -294,7 +294,12 @@ class Fans(Columns):
 class Seidel(Columns):
     """The Seidel sums S_I to S_V and the chromatic sums C_I and C_II by `surface`, counted from 1: wavefront
     aberrations, twice to eight times their coefficients (W. T. Welford, Aberrations of Optical Systems, 1986, chapters
-    8 and 10).
+    8 and 10), in the unit of lengths, for the marginal ray of the axis and the chief ray of the last field.
+
+    The wavefront at the rim of the pupil, at the edge of the field, is `spherical` / 8, `coma` / 2, `astigmatism` / 2,
+    `petzval` / 4, `distortion` / 2, `axial_colour` / 2 and `lateral_colour`. `petzval` is S_IV = -H^2 c (1/n' - 1/n) with the
+    Lagrange invariant H, for a distant object the semi-diameter of the entrance pupil times the tangent of the field angle; its
+    sum is -H^2 times `FirstOrder.petzval_sum`. The colours are those between the first and the last wavelength.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]

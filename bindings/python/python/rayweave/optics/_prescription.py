@@ -281,6 +281,12 @@ class FirstOrder:
     index times slope from the first surface to the last (E. Hecht, Optics, section 6.2.1). The formulas are those of
     Born & Wolf, Principles of Optics, 7th edition, section 4.4.
 
+    `petzval_sum` is the sum of c (1/n' - 1/n) over all surfaces with their curvatures c and the indices in front n and behind n',
+    in 1 over the unit of lengths. Times the index of the image space, which is negative behind an odd number of mirrors, it is
+    the curvature of the Petzval surface: negative if the image curves towards a lens of positive power, which has -1 / (n f) if
+    it is thin. The Seidel sum S_IV of `Prescription.seidel` is -H^2 times it, with the Lagrange invariant H (W. T. Welford,
+    Aberrations of Optical Systems, 1986, chapter 8), and thus has the opposite sign.
+
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
     >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
@@ -628,7 +634,8 @@ class Prescription:
         )
 
     def seidel(self) -> Seidel:
-        """The Seidel sums of every surface at the primary wavelength: wavefront aberrations in the unit of lengths."""
+        """The Seidel sums of every surface at the primary wavelength: wavefront aberrations in the unit of lengths, for the
+        last field. `Seidel` states their definitions."""
         return Seidel.of(self._compiled.seidel(), self.unit)
 
     # solids
