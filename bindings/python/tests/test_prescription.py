@@ -420,6 +420,22 @@ def test_fans_of_a_symmetric_lens() -> None:
     assert error[-1] == pytest.approx(rim["y"][0], abs=1e-12) and pupil[-1] == 1.0
 
 
+def test_fans_show_lateral_colour() -> None:
+    lens = cooke_triplet()
+    fans, same = lens.fans(count=3, aimed=True), lens.fans(count=3, aimed=True, reference="same")
+    # at the centre of the stop, the fans are the chief rays
+    lateral = lens.lateral_colour(count=2)
+    for line in lens.wavelengths_nm:
+        pupil, error = fans.fan(2, line, "y")
+        at_edge = (lateral["wavelength_nm"] == line) & (lateral["share"] == 1.0)
+        assert pupil[1] == 0.0 and error[1] == pytest.approx(lateral["shift"][at_edge][0], abs=1e-12)
+        assert same.fan(2, line, "y")[1][1] == 0.0
+        np.testing.assert_allclose(np.diff(same.fan(2, line, "y")[1]), np.diff(error), atol=1e-14)
+    assert abs(fans.fan(2, 480.0, "y")[1][1]) > 1e-4
+    with pytest.raises(RayweaveError, match="there is no reference of ray fans 'chief': there are primary, same"):
+        lens.fans(reference="chief")  # type: ignore[arg-type]
+
+
 def test_zemax_files_and_rows() -> None:
     path = ROOT / "models/optics/cooke-triplet.zmx"
     lens = Prescription.read_zmx(path)

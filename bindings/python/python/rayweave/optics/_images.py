@@ -227,7 +227,8 @@ class Spots(Columns):
 class Fans(Columns):
     """Ray fans: `field`, `wavelength_nm`, `along` (0: rays in the pupil along x, 1: along y), `pupil`, the position
     there from -1 to 1, and the transverse aberrations `error_x` and `error_y`, measured from the point where the
-    chief ray of the same wavelength hits the image.
+    ray through the centre of the paraxial entrance pupil (of the stop, if rays are aimed) hits the image, at the primary
+    wavelength or at the same one.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -368,7 +369,8 @@ class ZernikeFit(Columns):
 
 class Wavefront(Columns):
     """Optical path differences: `pupil_x` and `pupil_y` in units of the pupil's semi-diameter, `waves` against a sphere
-    about the point where the chief ray hits the image, through the paraxial exit pupil on the axis; positive where
+    about the point where the ray through the centre of the paraxial entrance pupil (of the stop, if rays are aimed) hits the
+    image, through the paraxial exit pupil on the axis; positive where
     the light is ahead (W. T. Welford, Aberrations of Optical Systems, 1986, section 7.2).
 
     >>> import rayweave.optics as ro

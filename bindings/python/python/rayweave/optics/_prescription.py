@@ -746,16 +746,31 @@ class Prescription:
         airy = 1.2196698912665045 / cutoff if cutoff > 0.0 else 0.0
         return Spots.of(moved, self.fields, self.unit, titles=self._field_names(), airy_radius=airy)
 
-    def fans(self, *, wavelength_nm: float | None = None, count: int = 41, aimed: bool = False) -> Fans:
+    def fans(
+        self,
+        *,
+        wavelength_nm: float | None = None,
+        count: int = 41,
+        aimed: bool = False,
+        reference: Literal["primary", "same"] = "primary",
+    ) -> Fans:
         """Transverse ray aberrations of all fields along both axes of the pupil, at one wavelength or, by default, at
-        all of them."""
+        all of them.
+
+        They are measured from the ray through the centre of the paraxial entrance pupil or, if rays are `aimed`, of the stop,
+        which is the chief ray: at the primary wavelength, as in Zemax, so that the curves of other wavelengths show lateral
+        colour at the centre of the pupil; or with `reference="same"` at the wavelength of the fan, so that all curves go
+        through 0."""
         self._needs_real_object()
         lines = self.wavelengths_nm if wavelength_nm is None else (self._wavelength(wavelength_nm),)
+        if text(reference, "reference") not in ("primary", "same"):
+            unknown("reference of ray fans", reference, ("primary", "same"))
         found = []
         for field in range(len(self.fields)):
             for line in lines:
+                about = self.primary_nm if reference == "primary" else line
                 for along, kind in enumerate(_FANS):
-                    at, errors = self._compiled.fan(field, line, pupil_grid(kind, count), flag(aimed, "aimed"))
+                    at, errors = self._compiled.fan(field, line, about, pupil_grid(kind, count), flag(aimed, "aimed"))
                     found.append((field, line, along, at[:, along], errors))
         return Fans.of(found, self.unit, self._field_names())
 
