@@ -670,6 +670,12 @@ def test_tolerances_are_those_of_both_sides_of_the_field() -> None:
     assert not optics.tolerance(lens, {"radius 1": 0.1}, trials=1).mirrored
 
 
+def test_radii_of_an_optimised_lens_come_back_from_a_file() -> None:
+    names = [f"curvature {k}" for k in (1, 2, 6)]
+    best = optics.optimise(cooke_triplet(), names, [optics.goal("spot", field=1)], rings=3)
+    assert Prescription.from_zmx(best.lens.to_zmx()) == best.lens
+
+
 def test_the_optimiser_finds_the_lens_of_best_form() -> None:
     n, line = 1.5, D_NM
     start = Prescription([Surface(110.0, 0.01, n), Surface(-110.0, 100.0)], entrance_pupil_diameter=10)

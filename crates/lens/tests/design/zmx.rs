@@ -71,7 +71,16 @@ fn written_files_are_read_back() {
         lens.surfaces[0].semi_diameter = Some(51.0);
         lens
     };
-    for lens in [singlet(), doublet(), triplet(), finite, slow, hubble] {
+    // radii with all digits of an f64
+    let optimised = {
+        let mut lens = triplet();
+        lens.surfaces
+            .iter_mut()
+            .zip(1..)
+            .for_each(|(surface, k)| surface.radius *= 1.0 / 3.0 + 0.1 * f64::from(k));
+        lens
+    };
+    for lens in [singlet(), doublet(), triplet(), finite, slow, hubble, optimised] {
         let text = write_zmx(&lens).unwrap();
         let read = read_zmx(text.as_bytes()).unwrap();
         assert_eq!(read.prescription, lens, "{text}");
