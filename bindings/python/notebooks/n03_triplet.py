@@ -73,6 +73,12 @@ found = optimise(triplet, names, goals)
 before, after = triplet.spots()["rms"], found.lens.spots()["rms"]
 print("RMS radii before", (before * 1e3).round(2), "um, after", (after * 1e3).round(2), "um")
 assert found.after <= found.before and abs(found.lens.first_order().focal_length - 50) < 0.1
+assert np.hypot.reduce(after) < np.hypot.reduce(before)
+
+# %%
+# What each goal contributes to the merit, the sum of squares:
+
+found.goals.to_pandas()[["goal", "value_before", "value_after", "contribution_after"]]
 
 # %%
 # Tolerances

@@ -4,6 +4,7 @@ import csv
 import math
 import pickle
 import re
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -670,10 +671,40 @@ def test_tolerances_are_those_of_both_sides_of_the_field() -> None:
     assert not optics.tolerance(lens, {"radius 1": 0.1}, trials=1).mirrored
 
 
+def test_a_spot_goal_is_the_polychromatic_spot() -> None:
+    lens = cooke_triplet()
+    spots = lens.spots()["rms"]
+    for field in range(3):
+        found = optics.optimise(lens, ["thickness 6"], [optics.goal("spot", field=field)], patience=1)
+        # spots() includes the transmittance of the glasses
+        assert found.before == pytest.approx(spots[field], rel=1e-3)
+    names = [f"curvature {k}" for k in range(1, 7)]
+    goals = [optics.goal("focal length", 50, weight=10), *(optics.goal("spot", field=k) for k in range(3))]
+    best = optics.optimise(lens, names, goals)
+    after = best.lens.spots()["rms"]
+    assert np.sum(after**2) < np.sum(spots**2)
+    table = best.goals
+    assert table["goal"].tolist() == ["focal length", "spot, field 0", "spot, field 1", "spot, field 2"]
+    np.testing.assert_allclose(table["value_after"][1:], after, rtol=1e-3)
+    np.testing.assert_allclose(table["contribution_after"][1:], table["value_after"][1:] ** 2, rtol=1e-12)
+    assert table["contribution_before"].sum() == pytest.approx(best.before**2, rel=1e-12)
+    assert table["contribution_after"].sum() == pytest.approx(best.after**2, rel=1e-12)
+    assert table["wanted"][0] == 50 and table["value_after"][0] == best.lens.first_order().focal_length
+
+
 def test_radii_of_an_optimised_lens_come_back_from_a_file() -> None:
     names = [f"curvature {k}" for k in (1, 2, 6)]
     best = optics.optimise(cooke_triplet(), names, [optics.goal("spot", field=1)], rings=3)
     assert Prescription.from_zmx(best.lens.to_zmx()) == best.lens
+
+
+def test_a_lens_whose_surfaces_cross_is_a_warning() -> None:
+    start = Prescription([Surface(60.0, 6.0, 1.5), Surface(-60.0, 58.0)], entrance_pupil_diameter=20)
+    with pytest.warns(UserWarning, match=r"the optimised lens cannot be built: surfaces 1 and 2 cross .* Add bounds"):
+        optics.optimise(start, ["thickness 1"], [optics.goal("thickness 1", 0.5)])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        optics.optimise(start, ["thickness 1"], [optics.goal("thickness 1", 5.0)])
 
 
 def test_the_optimiser_finds_the_lens_of_best_form() -> None:

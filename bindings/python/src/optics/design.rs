@@ -179,6 +179,8 @@ pub fn optimise<'py>(
         values.set_item(parameter.to_string(), *value)?;
     }
     table.set_item("values", values)?;
+    let goals = found.goals.iter().map(|goal| (goal.values, goal.contributions));
+    table.set_item("goals", goals.collect::<Vec<_>>())?;
     table.set_item("before", found.before)?;
     table.set_item("after", found.after)?;
     table.set_item("evaluations", found.evaluations)?;

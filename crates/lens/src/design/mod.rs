@@ -43,6 +43,6 @@ mod variant;
 pub use error::DesignError;
 pub use merit::Merit;
 pub use operand::{Goal, Operand, SeidelTerm, Target};
-pub use optimise::{Optimiser, Optimum};
+pub use optimise::{GoalReport, Optimiser, Optimum};
 pub use parameter::{DesignParameter, Quantity};
 pub use tolerance::{Sensitivity, Spread, Tolerancing, Trials};

@@ -116,6 +116,14 @@ fn an_achromat_has_the_powers_that_cancel() {
     // thin lenses in contact: power V1 / (V1 - V2) and -V2 / (V1 - V2); their thickness is 1e-6 of the focal
     // length
     near(power("N-BK7", 0), 0.01 * v1 / (v1 - v2), 1e-6);
+    // the contribution of a goal is the square of its weighted deviation
+    let [focal, colour] = found.goals[..] else { panic!("{:?}", found.goals) };
+    near(focal.values[0], start.first_order(lines[1]).unwrap().focal_length, 1e-12);
+    near(focal.contributions[0], (focal.values[0] - 100.0) * (focal.values[0] - 100.0), 1e-9);
+    near(colour.contributions[0], 1e6 * colour.values[0] * colour.values[0], 1e-9);
+    let sum = focal.contributions[0] + colour.contributions[0];
+    near(sum.sqrt(), found.before, 1e-12 * found.before);
+    near(focal.values[1], 100.0, 1e-9);
     near(power("N-SF5", 1), -0.01 * v2 / (v1 - v2), 1e-6);
 }
 
@@ -142,6 +150,7 @@ fn a_spot_of_all_wavelengths_contains_lateral_colour() {
     };
     let found = of(None);
     near(found.before, apart * 3.0_f64.sqrt() / 4.0, 1e-7);
+    near(found.goals[0].values[0], found.before, 1e-12);
     // without glass there is no colour: the plate vanishes
     near(found.lens.surfaces[0].thickness, 0.0, 1e-6);
     for line in lines {

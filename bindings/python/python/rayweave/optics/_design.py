@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -213,6 +214,11 @@ class Goal:
     def _row(self) -> tuple[Any, ...]:
         return self.operand, list(self.numbers), self.target, self.value, self.weight
 
+    def _name(self) -> str:
+        """The operand with its place, such as "spot, field 1, 587.6 nm"."""
+        kinds = ("surface {:g}", "height {:g}") if self.operand == "edge" else ("field {:g}", "{:g} nm")
+        return ", ".join([self.operand, *(kind.format(number) for kind, number in zip(kinds, self.numbers, strict=False))])
+
 
 _RAY_OPERANDS = ("spot", "wavefront")
 _NUMBER_OPERANDS = (
@@ -306,11 +312,46 @@ def goal(
     return Goal(operand, numbers, *stated[0], real(weight, "weight"))
 
 
+class GoalTable(Columns):
+    """The goals of an optimisation, one in each row: `goal`, the operand with its field, wavelength or surface; `target`
+    ("equal", "least" or "most") and `wanted`, its value; `weight`; `value_before` and `value_after`, the values of the
+    operand (for "spot" and "wavefront" the RMS); `contribution_before` and `contribution_after`, the squares of the
+    weighted deviations, whose sums are the squares of `Optimum.before` and `Optimum.after`.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> goals = [ro.goal("focal length", 60), ro.goal("spot", field=1)]
+    >>> best = ro.optimise(lens, ["curvature 2", "thickness 2"], goals)
+    >>> best.goals["goal"].tolist()
+    ['focal length', 'spot, field 1']
+    >>> bool(abs(best.goals["contribution_after"].sum() - best.after**2) < 1e-12)
+    True
+    """
+
+    @classmethod
+    def _of(cls, goals: list[Goal], found: list[tuple[list[float], list[float]]]) -> Self:
+        values, parts = (np.array([row[k] for row in found], float).reshape(-1, 2) for k in range(2))
+        return cls(
+            {
+                "goal": [goal._name() for goal in goals],
+                "target": [goal.target for goal in goals],
+                "wanted": [goal.value for goal in goals],
+                "weight": [goal.weight for goal in goals],
+                "value_before": values[:, 0],
+                "value_after": values[:, 1],
+                "contribution_before": parts[:, 0],
+                "contribution_after": parts[:, 1],
+            },
+            {},
+        )
+
+
 @dataclass(frozen=True)
 class Optimum:
     """The result of an optimisation: the prescription `lens`, the `values` of its parameters, and the root of the sum
-    of squares of all weighted deviations `before` and `after`. `has_converged` is true if no step improves it further,
-    and `reason` states why it ended.
+    of squares of all weighted deviations `before` and `after`. `goals` lists the goals with their values and contributions.
+    `has_converged` is true if no step improves it further, and `reason` states why it ended.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -318,10 +359,13 @@ class Optimum:
     >>> best = ro.optimise(lens, ["curvature 2"], [ro.goal("focal length", 60)])
     >>> round(best.lens.first_order().focal_length, 6), best.has_converged
     (60.0, True)
+    >>> best.goals["value_before"].round(3), best.goals["value_after"].round(3)
+    (array([49.213]), array([60.]))
     """
 
     lens: Prescription
     values: dict[str, float]
+    goals: GoalTable
     before: float
     after: float
     evaluations: int
@@ -333,8 +377,9 @@ class Optimum:
         return table_of("Optimum", merit | self.values)
 
     @classmethod
-    def _of(cls, compiled: _core.CompiledPrescription, table: dict[str, Any]) -> Self:
-        return cls(Prescription._of(compiled), **(table | {"reason": _reason(table["reason"])}))
+    def _of(cls, compiled: _core.CompiledPrescription, table: dict[str, Any], goals: list[Goal]) -> Self:
+        rows = GoalTable._of(goals, table["goals"])
+        return cls(Prescription._of(compiled), **(table | {"reason": _reason(table["reason"]), "goals": rows}))
 
 
 #: Descriptions of the termination reasons of the crate levenberg-marquardt, by its names.
@@ -371,7 +416,8 @@ def optimise(
     algorithm is that of Levenberg and Marquardt in the form of J. J. Moré (1978), as in MINPACK. It finds a local minimum
     near the start, not the global one. Spots and wavefronts are means over the pupil from 2 rings (rings + 2) rays
     (`pupil_quadrature`), which exclude the ray through the rim. The search ends after `patience * (number of parameters + 1)` evaluations of the goals,
-    not counting those for derivatives.
+    not counting those for derivatives. The search follows rays from surface to surface, also where surfaces cross: a
+    `UserWarning` states that the result cannot be built.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -380,8 +426,26 @@ def optimise(
     >>> bool(best.after < best.before)
     True
     """
-    rows = [goal._row() for goal in all_of(Goal, goals, "goals", "Make one with goal(operand, ..).")]
+    given = all_of(Goal, goals, "goals", "Make one with goal(operand, ..).")
+    rows = [goal._row() for goal in given]
     names = [text(name, "a parameter") for name in ([parameters] if isinstance(parameters, str) else each(parameters, "parameters", "names"))]
     needs_rings = any(row[0] in ("spot", "wavefront") for row in rows)
     count = whole(rings, "rings", least=1 if needs_rings else 0, bits=31)
-    return Optimum._of(*_core.optimise(_lens(lens), names, rows, rings=count, patience=whole(patience, "patience", least=1)))
+    found = _core.optimise(_lens(lens), names, rows, rings=count, patience=whole(patience, "patience", least=1))
+    best = Optimum._of(*found, given)
+    _warn_of_crossing(lens, best.lens)
+    return best
+
+
+def _warn_of_crossing(start: Prescription, best: Prescription) -> None:
+    """Warns if the solids of an optimised lens cannot be built although those of the start can: the residuals follow rays
+    from surface to surface, also where these cross."""
+    try:
+        best.elements()
+    except _core.RayweaveError as problem:
+        try:
+            start.elements()
+        except _core.RayweaveError:
+            return
+        hint = 'Add bounds, such as goal("edge", at_least=1, surface=1, height=10) or goal("thickness 2", at_least=0.5).'
+        warnings.warn(f"the optimised lens cannot be built: {problem} {hint}", stacklevel=3)
