@@ -606,12 +606,18 @@ def test_pictures() -> None:
     assert curves[3][0].lines[0].get_xydata()[0].tolist() == [0, 0]
     assert curves[6][0].get_xlabel() == "lateral colour, um"
     assert lens.mtf()["frequency"].max() in (50, 60) and lens.diffraction_mtf(wavelength_nm=550, across=64)["frequency"].max() == 400
-    assert np.shape(lens.wavefront(across=5).show().collections[0].get_offsets()) == (13, 2)
+    # cells of a grid; given points are drawn as they are
+    cells = lens.wavefront(across=5).show().collections[0].get_array()
+    assert np.shape(cells) == (5, 5) and np.ma.count(cells) == 13
+    given = lens.wavefront(pupil=optics.pupil_grid("hexapolar", 2)).show()
+    assert np.shape(given.collections[0].get_offsets()) == (19, 2)
     assert len(lens.wavefront(across=9).zernike(11).show().patches) == 8
     assert len(lens.seidel().show().patches) == 7 * 7
     trials = optics.tolerance(lens, {"radius 1": 0.05, "tilt x 3-4": 0.02}, trials=30, rings=2)
     assert len(trials.show(bins=5).patches) == 5
     assert len(trials.sensitivities.show().patches) == 4
+    plt.close("all")
+    assert len(trials.sensitivities.show(most=1).patches) == 2
     plt.close("all")
 
 

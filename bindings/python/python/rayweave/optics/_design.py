@@ -42,11 +42,13 @@ class Sensitivities(Columns):
     ['thickness 1']
     """
 
-    def show(self, *, ax: Axes | None = None) -> Axes:
-        """Draws the changes of the merit as bars; the parameter with the largest change is on top."""
+    def show(self, *, ax: Axes | None = None, most: int = 20) -> Axes:
+        """Draws the changes of the merit as bars; the parameter with the largest change is on top. Only the `most` parameters
+        with the largest changes are drawn."""
         ax = _axes(ax)
         changes = [np.abs(self[name] - self["nominal"]) for name in ("minus", "plus")]
-        order = np.argsort(np.maximum(*changes))
+        order = np.argsort(np.maximum(*changes))[-whole(most, "most", least=1) :]
+        ax.tick_params(axis="y", labelsize="small" if len(order) > 10 else "medium")
         for name in ("minus", "plus"):
             ax.barh(self["parameter"][order], self[name][order] - self["nominal"][order], label=name, alpha=0.7)
         return _labelled(ax, "change of the merit", "")

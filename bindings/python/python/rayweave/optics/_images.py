@@ -433,7 +433,16 @@ class Wavefront(Columns):
         ax = _axes(ax)
         reach = float(np.abs(self["waves"]).max()) or 1.0
         x, y, waves = self["pupil_x"], self["pupil_y"], self["waves"]
-        drawn = ax.scatter(x, y, c=waves, cmap="RdBu_r", vmin=-reach, vmax=reach, s=16.0, marker="s")
+        shades: dict[str, Any] = {"cmap": "RdBu_r", "vmin": -reach, "vmax": reach}
+        (xs, columns), (ys, rows) = (np.unique(places, return_inverse=True) for places in (x, y))
+        steps = np.concatenate([np.diff(xs), np.diff(ys)])
+        if len(steps) and np.ptp(steps) < 1e-9 and len(xs) * len(ys) <= 4 * len(waves):
+            # a square grid: cells without gaps at any size of the drawing
+            cells = np.full((len(ys), len(xs)), np.nan)
+            cells[rows, columns] = waves
+            drawn: Any = ax.pcolormesh(xs, ys, cells, shading="nearest", **shades)
+        else:
+            drawn = ax.scatter(x, y, c=waves, s=16.0, marker="s", **shades)
         figure = ax.get_figure(root=True)
         if figure is not None:
             figure.colorbar(drawn, ax=ax, label="waves")
@@ -702,7 +711,8 @@ class FieldCurvature(_OverField):
         """Draws the foci against the field."""
         ax = _axes(ax)
         ax.plot(self["tangential"], self._height(), label="tangential")
-        ax.plot(self["sagittal"], self._height(), "--", label="sagittal")
+        # short dashes, so that the line does not seem to end in a gap
+        ax.plot(self["sagittal"], self._height(), dashes=(3.0, 1.0), label="sagittal")
         ax.axvline(0.0, color="#a0a0a0", linewidth=0.6)
         return _labelled(ax, f"focus, {self.units['tangential']}", self._label())
 

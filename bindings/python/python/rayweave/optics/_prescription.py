@@ -986,7 +986,7 @@ class Prescription:
         rays = [lens._compiled.arrivals(k, line, pupil, flag(aimed, "aimed")).columns()["id"] for k in range(count)]
         return Vignetting.of(sweep, np.array([len(ids) / len(pupil) for ids in rays]))
 
-    def field_curvature(self, *, wavelength_nm: float | None = None, count: int = 21) -> FieldCurvature:
+    def field_curvature(self, *, wavelength_nm: float | None = None, count: int = 41) -> FieldCurvature:
         """The tangential and the sagittal focus of thin pencils about the chief ray, the one through the centre of
         the stop, over the field from the axis to its edge: distances along the axis from the image (Coddington; W. T.
         Welford, Aberrations of Optical Systems, section 9.5)."""
