@@ -60,22 +60,31 @@ axes = triplet.spots().show(axes=list(axes))
 # %%
 # Optimisation
 # ------------
-# Three curvatures and the image distance may change; the focal length is to stay at 50 mm.
+# Three curvatures and the image distance may change; the focal length is to stay at 50 mm. A spot contains all wavelengths
+# about their common centroid, so that lateral colour counts; with `wavelength_nm` it would have one wavelength and its own
+# centroid.
 
 names = ["curvature 1", "curvature 2", "curvature 6", "thickness 6"]
 goals = [
     goal("focal length", 50.0, weight=10),
-    *(goal("spot", field=k, wavelength_nm=w) for k in range(3) for w in triplet.wavelengths_nm),
+    *(goal("spot", field=k) for k in range(3)),
 ]
 found = optimise(triplet, names, goals)
 before, after = triplet.spots()["rms"], found.lens.spots()["rms"]
 print("RMS radii before", (before * 1e3).round(2), "um, after", (after * 1e3).round(2), "um")
 assert found.after <= found.before and abs(found.lens.first_order().focal_length - 50) < 0.1
+assert np.hypot.reduce(after) < np.hypot.reduce(before)
+
+# %%
+# What each goal contributes to the merit, the sum of squares:
+
+found.goals.to_pandas()[["goal", "value_before", "value_after", "contribution_after"]]
 
 # %%
 # Tolerances
 # ----------
-# 200 lenses with errors of manufacture; the image is refocused for each.
+# 200 lenses with errors of manufacture; the image is refocused for each. The fields lie on one side of the axis, and the
+# tilt and the decentre break the symmetry: the fields -14 and -20 degrees are evaluated, too.
 
 errors = {
     "radius 1": 0.02,

@@ -116,6 +116,9 @@ def test_power_is_shared_by_fresnel() -> None:
 
 def test_coatings_and_metals() -> None:
     film = optics.coated((1.38, D_NM / 4 / 1.38))
+    # as in model files
+    assert optics.coated([[1.38, 0, D_NM / 4 / 1.38]]) == film == optics.coated((1.38, 0, D_NM / 4 / 1.38))
+    assert optics.coated([(1.38, 100.0), (2.1, 60.0)]) == optics.coated((1.38, 100.0), (2.1, 60.0))
     coated = optics.element(sphere(10.0), 1.52, name="ball").with_finish(film, "side")
     rows = optics.System([coated]).trace_rays([0, 0, -20], [0, 0, 1], D_NM, branches="both", generation_limit=1)
     share = 1 - ((1.52 - 1.38**2) / (1.52 + 1.38**2)) ** 2

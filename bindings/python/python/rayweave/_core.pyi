@@ -624,6 +624,7 @@ def tolerance(
     refocus: bool,
     vignette: bool,
     rings: int,
+    mirror_fields: bool | None,
     seed: int,
     threads: int | None,
 ) -> dict[str, Any]:
@@ -803,9 +804,9 @@ class CompiledPrescription:
         """The rays of a field on the image, at one wavelength or at all of them with their weights."""
 
     def fan(
-        self, field: int, wavelength_nm: float, pupil: ArrayLike, aimed: bool
+        self, field: int, wavelength_nm: float, reference_nm: float, pupil: ArrayLike, aimed: bool
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """A ray fan: points of the pupil and transverse ray aberrations, both (N, 2)."""
+        """A ray fan: points of the pupil and transverse ray aberrations, both (N, 2), from the central ray at `reference_nm`."""
 
     def wavefront(
         self, field: int, wavelength_nm: float, pupil: ArrayLike, aimed: bool

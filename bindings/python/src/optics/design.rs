@@ -50,7 +50,7 @@ fn named<T: Copy>(what: &str, name: &str, known: &[(&str, T)]) -> PyResult<T> {
 /// The merits of trials with their deviations, and the effect of each parameter alone.
 #[pyfunction]
 #[pyo3(signature = (
-    lens, errors, merit, trials, *, refocus, vignette, rings, seed, threads: "int | None"
+    lens, errors, merit, trials, *, refocus, vignette, rings, mirror_fields, seed, threads: "int | None"
 ) -> "dict[str, Any]")]
 #[allow(clippy::too_many_arguments)] // those of the function in Python
 pub fn tolerance<'py>(
@@ -61,6 +61,7 @@ pub fn tolerance<'py>(
     refocus: bool,
     vignette: bool,
     rings: usize,
+    mirror_fields: Option<bool>,
     seed: u64,
     threads: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -70,6 +71,7 @@ pub fn tolerance<'py>(
     let start = start.rings(rings).seed(seed).threads(threads);
     let start = if refocus { start.refocused() } else { start };
     let start = if vignette { start.vignetted() } else { start };
+    let start = mirror_fields.into_iter().fold(start, Tolerancing::mirror_fields);
     let tolerancing = errors.iter().try_fold(start, |all, error| {
         let (parameter, spread) = error.read()?;
         Ok::<_, PyErr>(all.add(parameter, spread))
@@ -79,6 +81,7 @@ pub fn tolerance<'py>(
         .map_err(|error: rayweave::lens::design::DesignError| bad_value(error))?;
     let table = PyDict::new(py);
     table.set_item("nominal", found.nominal)?;
+    table.set_item("mirrored", mirror_fields.unwrap_or_else(|| tolerancing.has_one_sided_fields()))?;
     let columns = found.deviations.into_iter().map(|column| PyArray1::from_vec(py, column));
     table.set_item("deviations", columns.collect::<Vec<_>>())?;
     table.set_item("merits", PyArray1::from_vec(py, found.merits))?;
@@ -120,8 +123,9 @@ impl GoalOf {
     fn read(&self) -> PyResult<Goal> {
         let GoalOf(name, numbers, target, value, weight) = self;
         let operand = match (name.as_str(), numbers.as_slice()) {
+            ("spot", &[field]) => Operand::Spot { field: whole("field", field)?, wavelength_nm: None },
             ("spot", &[field, wavelength_nm]) => {
-                Operand::Spot { field: whole("field", field)?, wavelength_nm }
+                Operand::Spot { field: whole("field", field)?, wavelength_nm: Some(wavelength_nm) }
             }
             ("wavefront", &[field, wavelength_nm]) => {
                 Operand::Wavefront { field: whole("field", field)?, wavelength_nm }
@@ -175,6 +179,8 @@ pub fn optimise<'py>(
         values.set_item(parameter.to_string(), *value)?;
     }
     table.set_item("values", values)?;
+    let goals = found.goals.iter().map(|goal| (goal.values, goal.contributions));
+    table.set_item("goals", goals.collect::<Vec<_>>())?;
     table.set_item("before", found.before)?;
     table.set_item("after", found.after)?;
     table.set_item("evaluations", found.evaluations)?;

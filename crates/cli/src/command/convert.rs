@@ -2,6 +2,7 @@
 
 use crate::arguments::{GlobalArguments, ModelArguments, OnlyArguments};
 use crate::failure::Failure;
+use crate::lens_file;
 use crate::terminal;
 use clap::Args;
 use rayweave::formats::{self, Format, RemarkKind, WriteOptions};
@@ -52,6 +53,9 @@ pub struct Convert {
 impl Convert {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let format = self.format()?;
+        if self.model.format.is_none() && lens_file::is_one(&self.model.model) {
+            return Err(self.lens_is_not_converted());
+        }
         let imported = self.only.of_import(self.model.import()?)?;
         let options =
             WriteOptions { tolerance: self.tolerance, text: self.text, allow_unsound: self.allow_unsound };
@@ -69,6 +73,19 @@ impl Convert {
         }
         terminal::save(&self.out, &written.bytes)?;
         terminal::wrote(&self.out, global.quiet)
+    }
+
+    /// The error about a lens file, with what is possible.
+    fn lens_is_not_converted(&self) -> Failure {
+        let (name, out) = (self.model.model.display(), self.out.display());
+        let problem =
+            format!("{name}: a lens file is not converted: only `optics` and `info` read lens files.");
+        Failure::Input(format!(
+            "{problem} In Python, rayweave.optics.Prescription.read_zmx({:?}).system().save({:?}) writes its lenses and \
+             mirrors as solids, without stop, image, fields and light.",
+            name.to_string(),
+            out.to_string()
+        ))
     }
 
     fn format(&self) -> Result<Format, Failure> {

@@ -202,7 +202,8 @@ impl Optics {
         let report = Report { name, unit, system: &system, summary, detectors, by_line, fields, image, data };
         match self.json {
             true => terminal::print(&format!("{:#}\n", report.as_json())),
-            false if global.quiet || is_piped => Ok(()),
+            // without files the report is the result
+            false if is_piped || (global.quiet && self.outputs().next().is_some()) => Ok(()),
             false => terminal::print(&report.as_text()),
         }
     }
@@ -221,10 +222,14 @@ impl Optics {
         Ok(Bench { optics, unit, image: None, sequence: Vec::new(), fields: Vec::new(), lens: None })
     }
 
+    /// The files that are written.
+    fn outputs(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.out, &self.layout, &self.spot, &self.map, &self.paths].into_iter().flatten()
+    }
+
     /// Whether standard output carries a file instead of the summary; at most one file can.
     fn is_piped(&self) -> Result<bool, Failure> {
-        let all = [&self.out, &self.layout, &self.spot, &self.map, &self.paths];
-        let piped = all.into_iter().flatten().filter(|path| path.as_path() == Path::new("-")).count();
+        let piped = self.outputs().filter(|path| path.as_path() == Path::new("-")).count();
         match piped + usize::from(self.json) {
             0 | 1 => Ok(piped > 0),
             _ => {

@@ -81,6 +81,22 @@ fn one_solid_of_a_model() {
 }
 
 #[test]
+fn a_lens_file_is_refused_with_what_is_possible() {
+    let bench = Bench::new();
+    bench.write("lens.zmx", "UNIT MM\nENPD 10\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n CURV 0.02\nSURF 2\n");
+    let refused = bench.fails(3, &["convert", "lens.zmx", "lens.toml"]);
+    assert!(
+        refused.contains("lens.zmx: a lens file is not converted: only `optics` and `info` read"),
+        "{refused}"
+    );
+    assert!(
+        refused.contains(r#"read_zmx("lens.zmx").system().save("lens.toml") writes its lenses"#),
+        "{refused}"
+    );
+    assert!(!bench.files().contains(&"lens.toml".to_owned()));
+}
+
+#[test]
 fn meshes_that_are_not_sound_are_refused_unless_allowed() {
     let bench = Bench::new();
     let model = "rayweave = 1\n[solid.rod]\ncylinder = { radius = 20, height = 10 }\n\

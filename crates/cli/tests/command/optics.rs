@@ -228,7 +228,10 @@ fn any_number_of_threads_writes_the_same_bytes() {
         said
     };
     assert!(with("1") == with("3"));
-    assert_eq!(bench.says(&["optics", "plate.toml", "--quiet"]), "");
+    assert_eq!(bench.says(&["optics", "plate.toml", "--quiet", "--paths", "paths.csv"]), "");
+    // without a file, the report is the result
+    let report = bench.says(&["optics", "plate.toml", "--quiet"]);
+    assert!(report.contains("screen") && report == bench.says(&["optics", "plate.toml"]), "{report}");
 }
 
 #[test]

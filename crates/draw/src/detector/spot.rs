@@ -175,20 +175,29 @@ impl Window {
     }
 }
 
+/// Layers of points: each has all colours, so that no colour hides the others.
+const LAYERS: usize = 8;
+
 fn draw_points(points: &[SpotPoint], chart: &Chart, svg: &mut Svg) {
-    let mut paths: BTreeMap<String, String> = BTreeMap::new();
+    let mut colours: BTreeMap<String, (usize, [String; LAYERS])> = BTreeMap::new();
     let [left, top, width, height] = chart.frame();
     for &SpotPoint { point, wavelength_nm, .. } in points {
         let [x, y] = chart.position(point);
         let is_outside = x < left || x > left + width || y < top || y > top + height;
         if !is_outside {
-            let path = paths.entry(legend::wavelength_paint(wavelength_nm)).or_default();
+            let (count, layers) = colours.entry(legend::wavelength_paint(wavelength_nm)).or_default();
             // writing to a string cannot fail
-            let _ = write!(path, "M{} {}h0", Pixels(x), Pixels(y));
+            let _ = write!(layers[*count % LAYERS], "M{} {}h0", Pixels(x), Pixels(y));
+            *count += 1;
         }
     }
-    for (colour, path) in paths {
-        svg.path("point", path, &format!(r#" stroke="{colour}""#));
+    for layer in 0..LAYERS {
+        for (colour, (_, layers)) in &mut colours {
+            let path = std::mem::take(&mut layers[layer]);
+            if !path.is_empty() {
+                svg.path("point", path, &format!(r#" stroke="{colour}""#));
+            }
+        }
     }
 }
 
@@ -218,6 +227,23 @@ mod tests {
             .collect();
         assert_eq!(radii.len(), 2, "{drawing}");
         assert!((radii[1] / radii[0] - 4.0).abs() < 0.05, "{radii:?}");
+    }
+
+    #[test]
+    fn no_colour_hides_another() {
+        let mut spot = SpotDiagram::default();
+        for line in [486.1, 587.6, 656.3] {
+            (0..80).for_each(|k| spot.add([0.01 * f64::from(k), 0.0], line, 1.0));
+        }
+        let drawing = spot_svg(&spot, "image", "mm");
+        let colours: Vec<&str> = drawing
+            .split("class=\"point\"")
+            .skip(1)
+            .map(|path| path.split_once("stroke=\"").unwrap().1.split('"').next().unwrap())
+            .collect();
+        // in every layer, ten points of each colour
+        assert_eq!(colours.len(), 3 * LAYERS, "{drawing}");
+        assert!(colours.chunks(3).all(|layer| layer == &colours[..3] && layer[0] != layer[2]));
     }
 
     #[test]

@@ -52,7 +52,7 @@ pub struct Fan {
     /// The points of the pupil, in units of its semi-diameter.
     pub pupil: Vec<[f64; 2]>,
     /// The positions on the image, relative to the ray through the centre of the pupil or, if rays
-    /// are aimed, of the stop.
+    /// are aimed, of the stop, at the wavelength of the reference.
     pub errors: Vec<[f64; 2]>,
 }
 
@@ -171,8 +171,8 @@ impl<'a, E: Evaluator> Study<'a, E> {
     }
 
     /// A ray fan through points of the pupil such as those of [`fan_x`](super::fan_x) and
-    /// [`fan_y`](super::fan_y). The errors are those from the ray through the centre of the pupil or, if rays
-    /// are aimed, of the stop.
+    /// [`fan_y`](super::fan_y). The errors are those from the ray of the same wavelength through the centre of the
+    /// paraxial entrance pupil or, if rays are aimed, of the stop: without lateral colour.
     ///
     /// # Errors
     /// As for [`Study::arrivals`], and [`LensAnalysisError::Stopped`].
@@ -182,7 +182,22 @@ impl<'a, E: Evaluator> Study<'a, E> {
         wavelength_nm: f64,
         pupil: &[[f64; 2]],
     ) -> Result<Fan, LensAnalysisError> {
-        let middle = self.central(field, wavelength_nm)?.position;
+        self.fan_about(field, wavelength_nm, wavelength_nm, pupil)
+    }
+
+    /// Like [`Study::fan`], with errors from the central ray at another wavelength: with the primary wavelength as
+    /// `reference_nm`, the errors contain lateral colour.
+    ///
+    /// # Errors
+    /// As for [`Study::fan`].
+    pub fn fan_about(
+        &self,
+        field: usize,
+        wavelength_nm: f64,
+        reference_nm: f64,
+        pupil: &[[f64; 2]],
+    ) -> Result<Fan, LensAnalysisError> {
+        let middle = self.central(field, reference_nm)?.position;
         let found = self.arrivals(field, wavelength_nm, pupil)?;
         let error = |arrival: &Arrival| [arrival.position.x - middle.x, arrival.position.y - middle.y];
         Ok(Fan {

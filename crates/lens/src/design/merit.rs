@@ -28,6 +28,8 @@ pub(super) struct MeritEvaluator {
     vignettes: bool,
     pupil: PupilQuadrature,
     centroid: [f64; 2],
+    /// The weight of each field of the prescription.
+    weights: Vec<f64>,
 }
 
 /// A merit, the image shift of the refocusing, and the number of rays of all fields and wavelengths that did
@@ -45,8 +47,9 @@ impl MeritEvaluator {
         merit: Merit,
         [refocus, vignettes]: [bool; 2],
         pupil: PupilQuadrature,
+        weights: Vec<f64>,
     ) -> Result<MeritEvaluator, DesignError> {
-        let mut evaluator = MeritEvaluator { merit, refocus, vignettes, pupil, centroid: [0.0; 2] };
+        let mut evaluator = MeritEvaluator { merit, refocus, vignettes, pupil, centroid: [0.0; 2], weights };
         if merit == Merit::ImageShift {
             let (images, _) = evaluator.images(&evaluator.variant(lens, &[])?)?;
             evaluator.centroid =
@@ -110,8 +113,8 @@ impl MeritEvaluator {
             return Ok((images, 0.0));
         }
         // the mean squares of all fields are parabolas, and so is their sum
-        let sum =
-            images.iter().map(|rays| focal_moments(rays)).fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+        let moments = images.iter().zip(&self.weights).map(|(rays, weight)| (focal_moments(rays), weight));
+        let sum = moments.fold([0.0; 2], |[a, b], ([c, d], weight)| [a + weight * c, b + weight * d]);
         let shift = if sum[1] > 0.0 { -sum[0] / sum[1] } else { 0.0 };
         Ok((images.iter().map(|rays| defocused(rays, shift)).collect(), shift))
     }
@@ -123,7 +126,7 @@ impl MeritEvaluator {
             (Merit::ImageShift, Some(Spot { centroid: [x, y], .. })) => {
                 libm::hypot(x - self.centroid[0], y - self.centroid[1])
             }
-            _ => root_mean_square(spots.iter().map(|spot| spot.rms)),
+            _ => self.root_mean_square(spots.iter().map(|spot| spot.rms)),
         }
     }
 
@@ -134,11 +137,12 @@ impl MeritEvaluator {
             Ok::<f64, DesignError>(wavefront.map_or(f64::NAN, |wavefront| wavefront.rms()))
         };
         let found: Result<Vec<f64>, _> = (0..variant.lens.fields.len()).map(rms).collect();
-        Ok(root_mean_square(found?.into_iter()))
+        Ok(self.root_mean_square(found?.into_iter()))
     }
-}
 
-fn root_mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let count = values.len() as f64;
-    (values.map(|value| value * value).sum::<f64>() / count).sqrt()
+    /// The root mean square over the fields with their weights.
+    fn root_mean_square(&self, values: impl Iterator<Item = f64>) -> f64 {
+        let squares = values.zip(&self.weights).map(|(value, weight)| weight * value * value);
+        (squares.sum::<f64>() / self.weights.iter().sum::<f64>()).sqrt()
+    }
 }

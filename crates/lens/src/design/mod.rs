@@ -20,7 +20,7 @@
 //!     .vary("curvature 2".parse()?)
 //!     .vary("thickness 2".parse()?)
 //!     .goal(Goal::equal(Operand::FocalLength, 80.0).weight(10.0))
-//!     .goal(Goal::equal(Operand::Spot { field: 0, wavelength_nm: 587.5618 }, 0.0))
+//!     .goal(Goal::equal(Operand::Spot { field: 0, wavelength_nm: None }, 0.0))
 //!     .run()?;
 //! assert!((found.lens.first_order(587.5618)?.focal_length - 80.0).abs() < 1e-3);
 //!
@@ -43,6 +43,6 @@ mod variant;
 pub use error::DesignError;
 pub use merit::Merit;
 pub use operand::{Goal, Operand, SeidelTerm, Target};
-pub use optimise::{Optimiser, Optimum};
+pub use optimise::{GoalReport, Optimiser, Optimum};
 pub use parameter::{DesignParameter, Quantity};
 pub use tolerance::{Sensitivity, Spread, Tolerancing, Trials};

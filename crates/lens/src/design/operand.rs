@@ -52,8 +52,9 @@ pub enum Operand {
     Spot {
         /// The field, counted from 0.
         field: usize,
-        /// The wavelength in nanometres.
-        wavelength_nm: f64,
+        /// The wavelength in nanometres; `None` for all wavelengths of the prescription with their weights,
+        /// about the common centroid, so that lateral colour counts.
+        wavelength_nm: Option<f64>,
     },
     /// The optical path differences of the rays of a field from their mean, in waves, times the roots of the
     /// weights: the root of the sum of their squares is the RMS of the wavefront.
@@ -129,10 +130,11 @@ impl Goal {
         Goal { weight, ..self }
     }
 
-    /// The number of residuals, for `rays` points of the pupil.
-    pub(super) fn count(&self, rays: usize) -> usize {
+    /// The number of residuals, for `rays` points of the pupil and `lines` wavelengths of the prescription.
+    pub(super) fn count(&self, rays: usize, lines: usize) -> usize {
         match self.operand {
-            Operand::Spot { .. } => 2 * rays,
+            Operand::Spot { wavelength_nm: Some(_), .. } => 2 * rays,
+            Operand::Spot { wavelength_nm: None, .. } => 2 * rays * lines,
             Operand::Wavefront { .. } => rays,
             _ => 1,
         }
@@ -167,11 +169,15 @@ impl Goal {
 fn spot(
     variant: &Variant,
     field: usize,
-    wavelength_nm: f64,
+    wavelength_nm: Option<f64>,
     pupil: &PupilQuadrature,
 ) -> Result<Option<Vec<f64>>, DesignError> {
-    let rays = variant.arrivals(field, wavelength_nm, pupil)?;
-    let Some(spot) = Spot::of(&rays).filter(|spot| spot.rays == pupil.points.len()) else { return Ok(None) };
+    let (rays, lines) = match wavelength_nm {
+        Some(line) => (variant.arrivals(field, line, pupil)?, 1),
+        None => (variant.polychromatic(field, pupil)?, variant.lens.lines.len()),
+    };
+    let sent = pupil.points.len() * lines;
+    let Some(spot) = Spot::of(&rays).filter(|spot| spot.rays == sent) else { return Ok(None) };
     let [x, y] = spot.centroid;
     let off = |ray: &Arrival| {
         let scale = (ray.power / spot.power).sqrt();

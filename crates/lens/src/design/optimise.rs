@@ -41,12 +41,27 @@ pub struct Optimum {
     pub before: f64,
     /// The same at the end.
     pub after: f64,
+    /// The goals with their values at the start and at the end.
+    pub goals: Vec<GoalReport>,
     /// The number of evaluations of the residuals, without those for derivatives.
     pub evaluations: usize,
     /// True if no step improves the result further; false if the evaluation limit ended the search.
     pub has_converged: bool,
     /// The reason for the end.
     pub reason: String,
+}
+
+/// A goal with its values at the start and at the end of an optimisation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GoalReport {
+    /// The goal.
+    pub goal: Goal,
+    /// The values of its operand, those of rays as the root of the sum of their squares: the RMS radius of a spot, the RMS
+    /// of a wavefront.
+    pub values: [f64; 2],
+    /// The sums of squares of its weighted residuals. Their sums over all goals are the squares of
+    /// [`Optimum::before`] and [`Optimum::after`].
+    pub contributions: [f64; 2],
 }
 
 impl<'a> Optimiser<'a> {
@@ -86,14 +101,18 @@ impl<'a> Optimiser<'a> {
     pub fn run(&self) -> Result<Optimum, DesignError> {
         let task = self.task()?;
         let no_start = || DesignError::NoStart("a ray does not arrive, or a number is not finite".to_owned());
-        let before = task.residuals_of(&task.values_at(&task.at)?.ok_or_else(no_start)?).norm();
+        let start = task.values_at(&task.at)?.ok_or_else(no_start)?;
+        let before = task.residuals_of(&start).norm();
         let task = Task { penalty: PENALTY * before.max(f64::MIN_POSITIVE), ..task };
         let (task, report) = LevenbergMarquardt::new().with_patience(self.evaluation_limit).minimize(task);
         let variant = task.variant(&task.at)?;
+        // the search ends where the goals have values
+        let end = task.values_at(&task.at)?.unwrap_or_else(|| vec![f64::NAN; start.len()]);
         let value = |&parameter: &DesignParameter| Ok((parameter, parameter.value(&variant.lens)?));
         Ok(Optimum {
             values: self.parameters.iter().map(value).collect::<Result<_, DesignError>>()?,
             before,
+            goals: task.reports([&start, &end]),
             after: (2.0 * report.objective_function).sqrt(),
             evaluations: report.number_of_evaluations,
             has_converged: has_converged(&report.termination),
@@ -183,7 +202,7 @@ impl Task<'_> {
 
     /// The goal of each value.
     fn goals(&self) -> impl Iterator<Item = &Goal> {
-        let count = |goal: &Goal| goal.count(self.pupil.points.len());
+        let count = |goal: &Goal| self.count_of(goal);
         self.optimiser.goals.iter().flat_map(move |goal| std::iter::repeat_n(goal, count(goal)))
     }
 
@@ -206,9 +225,32 @@ impl Task<'_> {
         Some(plus.iter().zip(&minus).map(|(plus, minus)| (plus - minus) / (2.0 * STEP)).collect())
     }
 
+    /// The goals with their values at the start and at the end.
+    fn reports(&self, values: [&[f64]; 2]) -> Vec<GoalReport> {
+        let norm = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().sqrt();
+        let square = |goal: &Goal, value: f64| goal.residual(value) * goal.residual(value);
+        let mut at = 0;
+        let report = |goal: &Goal| {
+            let own = at..at + self.count_of(goal);
+            at = own.end;
+            let own = values.map(|values| &values[own.clone()]);
+            GoalReport {
+                goal: *goal,
+                values: own.map(|values| if let [value] = values { *value } else { norm(values) }),
+                contributions: own.map(|values| values.iter().map(|&value| square(goal, value)).sum()),
+            }
+        };
+        self.optimiser.goals.iter().map(report).collect()
+    }
+
+    /// The number of residuals of a goal.
+    fn count_of(&self, goal: &Goal) -> usize {
+        goal.count(self.pupil.points.len(), self.optimiser.lens.lines.len())
+    }
+
     fn count(&self) -> usize {
         let goals = self.optimiser.goals.iter();
-        goals.map(|goal| goal.count(self.pupil.points.len())).sum::<usize>().max(self.scales.len())
+        goals.map(|goal| self.count_of(goal)).sum::<usize>().max(self.scales.len())
     }
 }
 

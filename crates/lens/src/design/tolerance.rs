@@ -10,6 +10,7 @@ use rand::{Rng, SeedableRng};
 use rayweave_math::unit_fraction;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::memory::Growth;
+use rayweave_optics::component::SurfaceForm;
 use std::num::NonZeroUsize;
 
 /// Random stream of tolerances, distinct from other streams of the same seed.
@@ -59,6 +60,7 @@ pub struct Tolerancing<'a> {
     refocus: bool,
     vignettes: bool,
     rings: usize,
+    mirrors_fields: Option<bool>,
     seed: u64,
     threads: Option<NonZeroUsize>,
     cancel: Cancel,
@@ -75,6 +77,7 @@ impl<'a> Tolerancing<'a> {
             refocus: false,
             vignettes: false,
             rings: RINGS,
+            mirrors_fields: None,
             seed: 0,
             threads: None,
             cancel: Cancel::new(),
@@ -102,6 +105,44 @@ impl<'a> Tolerancing<'a> {
         Tolerancing { rings, ..self }
     }
 
+    /// Evaluates each field also at its mirror image on the other side of the axis, with half the weight of the
+    /// field for each of the two, or does not. By default the answer is [`Tolerancing::has_one_sided_fields`].
+    pub fn mirror_fields(self, mirrors: bool) -> Tolerancing<'a> {
+        Tolerancing { mirrors_fields: Some(mirrors), ..self }
+    }
+
+    /// True if fields lie on one side of the axis only, the lens is the same on both sides, and a parameter
+    /// with an error decentres or tilts surfaces. Such an error can improve the given fields as much as it spoils
+    /// those on the other side, so that a merit of the given fields alone has no minimum without errors.
+    pub fn has_one_sided_fields(&self) -> bool {
+        let fields = &self.lens.fields;
+        let is_opposite = |&[a, b]: &[f64; 2], &[c, d]: &[f64; 2]| a * c + b * d < 0.0;
+        let has_both = fields.iter().any(|one| fields.iter().any(|other| is_opposite(one, other)));
+        let is_off_axis = fields.iter().any(|field| *field != [0.0; 2]);
+        let is_round = |surface: &crate::prescription::Surface| SurfaceForm::is_round(&surface.form());
+        let is_symmetric = self.lens.breaks.is_empty() && self.lens.surfaces.iter().all(is_round);
+        let moves = self.errors.iter().any(|(parameter, _)| parameter.quantity.is_pose());
+        moves && is_symmetric && is_off_axis && !has_both
+    }
+
+    /// The prescription with the mirror images of its fields where they are evaluated, behind the given ones, and the weight
+    /// of each field.
+    fn evaluated(&self) -> (Prescription, Vec<f64>) {
+        let mut lens = self.lens.clone();
+        if !self.mirrors_fields.unwrap_or_else(|| self.has_one_sided_fields()) {
+            let weights = vec![1.0; lens.fields.len()];
+            return (lens, weights);
+        }
+        let is_central = |field: &[f64; 2]| *field == [0.0; 2];
+        let mut weights: Vec<f64> =
+            lens.fields.iter().map(|field| if is_central(field) { 2.0 } else { 1.0 }).collect();
+        let mirrored: Vec<[f64; 2]> =
+            lens.fields.iter().filter(|field| !is_central(field)).map(|[x, y]| [-x, -y]).collect();
+        weights.resize(weights.len() + mirrored.len(), 1.0);
+        lens.fields.extend(mirrored);
+        (lens, weights)
+    }
+
     /// Sets the seed of the random numbers.
     pub fn seed(self, seed: u64) -> Tolerancing<'a> {
         Tolerancing { seed, ..self }
@@ -122,10 +163,12 @@ impl<'a> Tolerancing<'a> {
     /// # Errors
     /// [`DesignError`] for parameters that do not exist, spreads below 0, and invalid prescriptions.
     pub fn nominal(&self) -> Result<f64, DesignError> {
-        Ok(self.evaluator()?.evaluate(self.lens, &[])?.merit)
+        let (lens, evaluator) = self.evaluator()?;
+        Ok(evaluator.evaluate(&lens, &[])?.merit)
     }
 
-    fn evaluator(&self) -> Result<MeritEvaluator, DesignError> {
+    /// The prescription with all fields that are evaluated, and the evaluator of the merit.
+    fn evaluator(&self) -> Result<(Prescription, MeritEvaluator), DesignError> {
         for (parameter, spread) in &self.errors {
             parameter.value(self.lens)?;
             let scale = spread.scale();
@@ -134,7 +177,10 @@ impl<'a> Tolerancing<'a> {
                 return Err(DesignError::BadNumber { what, value: scale, range });
             }
         }
-        MeritEvaluator::new(self.lens, self.merit, [self.refocus, self.vignettes], pupil(self.rings)?)
+        let (lens, weights) = self.evaluated();
+        let settings = [self.refocus, self.vignettes];
+        let evaluator = MeritEvaluator::new(&lens, self.merit, settings, pupil(self.rings)?, weights)?;
+        Ok((lens, evaluator))
     }
 
     /// Runs `count` trials. The merit is NaN in a trial in which no light arrives or a number is out of its
@@ -148,9 +194,9 @@ impl<'a> Tolerancing<'a> {
         if self.errors.is_empty() {
             return Err(DesignError::None("parameter with an error"));
         }
-        let (evaluator, mut growth) = (self.evaluator()?, Growth::default());
+        let ((lens, evaluator), mut growth) = (self.evaluator()?, Growth::default());
         let mut trials = Trials {
-            nominal: evaluator.evaluate(self.lens, &[])?.merit,
+            nominal: evaluator.evaluate(&lens, &[])?.merit,
             parameters: self.errors.iter().map(|(parameter, _)| *parameter).collect(),
             deviations: vec![Vec::new(); self.errors.len()],
             merits: Vec::new(),
@@ -159,7 +205,7 @@ impl<'a> Tolerancing<'a> {
         };
         let chunks = (0..count).step_by(CHUNK as usize).map(|at| at..(at + CHUNK).min(count));
         let work = |(): &mut (), chunk: std::ops::Range<u64>| -> Vec<(Vec<f64>, MeritValue)> {
-            chunk.map(|trial| self.trial(&evaluator, trial)).collect()
+            chunk.map(|trial| self.trial(&lens, &evaluator, trial)).collect()
         };
         let merge = |found: Vec<(Vec<f64>, MeritValue)>| {
             found.iter().for_each(|(deviations, value)| trials.push(deviations, *value));
@@ -172,13 +218,13 @@ impl<'a> Tolerancing<'a> {
         }
     }
 
-    fn trial(&self, evaluator: &MeritEvaluator, trial: u64) -> (Vec<f64>, MeritValue) {
+    fn trial(&self, lens: &Prescription, evaluator: &MeritEvaluator, trial: u64) -> (Vec<f64>, MeritValue) {
         let deviations: Vec<f64> =
             (0..self.errors.len()).map(|k| self.errors[k].1.deviation(self.numbers(k, trial))).collect();
         let changes: Vec<(DesignParameter, f64)> =
             self.errors.iter().map(|error| error.0).zip(deviations.iter().copied()).collect();
-        let nothing = MeritValue { merit: f64::NAN, shift: f64::NAN, lost: evaluator.sent(self.lens) };
-        (deviations, evaluator.evaluate(self.lens, &changes).unwrap_or(nothing))
+        let nothing = MeritValue { merit: f64::NAN, shift: f64::NAN, lost: evaluator.sent(lens) };
+        (deviations, evaluator.evaluate(lens, &changes).unwrap_or(nothing))
     }
 
     /// The two random numbers of a parameter in a trial.
@@ -195,9 +241,9 @@ impl<'a> Tolerancing<'a> {
     /// # Errors
     /// As for [`Tolerancing::nominal`].
     pub fn sensitivities(&self) -> Result<Vec<Sensitivity>, DesignError> {
-        let evaluator = self.evaluator()?;
+        let (lens, evaluator) = self.evaluator()?;
         let at = |parameter: DesignParameter, change: f64| {
-            evaluator.evaluate(self.lens, &[(parameter, change)]).map_or(f64::NAN, |value| value.merit)
+            evaluator.evaluate(&lens, &[(parameter, change)]).map_or(f64::NAN, |value| value.merit)
         };
         let of = |&(parameter, spread): &(DesignParameter, Spread)| {
             let scale = spread.scale();

@@ -17,7 +17,7 @@
 //! | front principal plane, from the first vertex | n (1 - D) / K |
 //! | entrance pupil, from the first vertex, with (A, B) up to the stop | n B / A |
 //! | exit pupil, from the last vertex, with (B, D) behind the stop | -n' B / D |
-//! | Petzval sum | sum of c (1/n' - 1/n), the curvature of the Petzval surface times -1/n' |
+//! | Petzval sum | sum of c (1/n' - 1/n), the curvature of the Petzval surface over n' of the image |
 //!
 //! (Born & Wolf, *Principles of Optics*, 7th edition, section 4.4; Welford, chapters 3, 8 and 10.)
 

@@ -479,6 +479,27 @@ fn a_spectrometer() {
     }
 }
 
+/// Light at an angle of incidence a leaves a plate t tan(b), sin(b) = sin(a) / n, away from where it enters.
+#[test]
+fn fans_about_the_primary_wavelength_contain_lateral_colour() {
+    let glass = Behind::Abbe { n_d: 1.7, v_d: 30.0 };
+    let surfaces = vec![Surface::new(f64::INFINITY, 8.0, glass.clone()), Surface::dummy(1.0)];
+    let mut plate =
+        Prescription::new(surfaces).entrance_pupil_diameter(2.0).wavelengths_nm(&[486.1327, D_NM], 1);
+    plate.fields = vec![[0.0, 30.0]];
+    let medium = glass.medium().unwrap().unwrap();
+    let tan = |line: f64| {
+        let sin = 0.5 / medium.index(line).re;
+        sin / (1.0 - sin * sin).sqrt()
+    };
+    study(&plate, |study| {
+        let about = |reference: f64| study.fan_about(0, 486.1327, reference, &fan_y(5)).unwrap().errors[2];
+        near(about(D_NM)[1], 8.0 * (tan(486.1327) - tan(D_NM)), 1e-12);
+        assert_eq!(about(486.1327), [0.0; 2]);
+        assert_eq!(study.fan(0, 486.1327, &fan_y(5)), study.fan_about(0, 486.1327, 486.1327, &fan_y(5)));
+    });
+}
+
 #[test]
 fn fans_and_stops() {
     let lens = doublet();

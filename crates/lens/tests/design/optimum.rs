@@ -55,7 +55,7 @@ fn a_conic_without_spherical_aberration_is_descartes_s() {
     let found = Optimiser::new(&start)
         .vary(parameter("conic 2"))
         .vary(parameter("thickness 2"))
-        .goal(Goal::equal(Operand::Spot { field: 0, wavelength_nm: 587.5618 }, 0.0))
+        .goal(Goal::equal(Operand::Spot { field: 0, wavelength_nm: Some(587.5618) }, 0.0))
         .run()
         .unwrap();
     assert!(found.has_converged, "{}", found.reason);
@@ -77,7 +77,7 @@ fn the_best_focus_of_a_spherical_mirror() {
     for rings in [2, 4, 6] {
         let found = Optimiser::new(&start)
             .vary(parameter("thickness 1"))
-            .goal(Goal::equal(Operand::Spot { field: 0, wavelength_nm: 587.5618 }, 0.0))
+            .goal(Goal::equal(Operand::Spot { field: 0, wavelength_nm: Some(587.5618) }, 0.0))
             .rings(rings)
             .run()
             .unwrap();
@@ -116,7 +116,46 @@ fn an_achromat_has_the_powers_that_cancel() {
     // thin lenses in contact: power V1 / (V1 - V2) and -V2 / (V1 - V2); their thickness is 1e-6 of the focal
     // length
     near(power("N-BK7", 0), 0.01 * v1 / (v1 - v2), 1e-6);
+    // the contribution of a goal is the square of its weighted deviation
+    let [focal, colour] = found.goals[..] else { panic!("{:?}", found.goals) };
+    near(focal.values[0], start.first_order(lines[1]).unwrap().focal_length, 1e-12);
+    near(focal.contributions[0], (focal.values[0] - 100.0) * (focal.values[0] - 100.0), 1e-9);
+    near(colour.contributions[0], 1e6 * colour.values[0] * colour.values[0], 1e-9);
+    let sum = focal.contributions[0] + colour.contributions[0];
+    near(sum.sqrt(), found.before, 1e-12 * found.before);
+    near(focal.values[1], 100.0, 1e-9);
     near(power("N-SF5", 1), -0.01 * v2 / (v1 - v2), 1e-6);
+}
+
+/// A narrow beam through a plate at an angle of incidence a leaves its face t tan(b), sin(b) = sin(a) / n, away from
+/// the axis, so that two colours are t (tan(b1) - tan(b2)) apart. The RMS radius of two points of weights v and w
+/// about their centroid is their distance times sqrt(v w) / (v + w).
+#[test]
+fn a_spot_of_all_wavelengths_contains_lateral_colour() {
+    let lines = [486.1327, 656.2725];
+    let glass = Behind::Abbe { n_d: 1.7, v_d: 30.0 };
+    let surfaces = vec![Surface::new(f64::INFINITY, 8.0, glass.clone()), Surface::dummy(1.0)];
+    let mut plate = Prescription::new(surfaces).entrance_pupil_diameter(1e-7).wavelengths_nm(&lines, 0);
+    plate.fields = vec![[0.0, 30.0]];
+    plate.lines[1].weight = 3.0;
+    let medium = glass.medium().unwrap().unwrap();
+    let tan = |line: f64| {
+        let sin = 0.5 / medium.index(line).re;
+        sin / (1.0 - sin * sin).sqrt()
+    };
+    let apart = 8.0 * (tan(lines[1]) - tan(lines[0]));
+    let of = |wavelength_nm: Option<f64>| {
+        let goal = Goal::equal(Operand::Spot { field: 0, wavelength_nm }, 0.0);
+        Optimiser::new(&plate).vary(parameter("thickness 1")).goal(goal).run().unwrap()
+    };
+    let found = of(None);
+    near(found.before, apart * 3.0_f64.sqrt() / 4.0, 1e-7);
+    near(found.goals[0].values[0], found.before, 1e-12);
+    // without glass there is no colour: the plate vanishes
+    near(found.lens.surfaces[0].thickness, 0.0, 1e-6);
+    for line in lines {
+        assert!(of(Some(line)).before < 1e-6, "one wavelength has no lateral colour");
+    }
 }
 
 #[test]
@@ -156,10 +195,10 @@ fn refusals() {
         text(Optimiser::new(&start).vary(parameter("tilt x 1")).goal(focal))
             .contains("decentres and tilts cannot be varied")
     );
-    let spot = Goal::equal(Operand::Spot { field: 4, wavelength_nm: 500.0 }, 0.0);
+    let spot = Goal::equal(Operand::Spot { field: 4, wavelength_nm: Some(500.0) }, 0.0);
     assert!(text(Optimiser::new(&start).vary(parameter("radius 1")).goal(spot)).contains("field"));
     // rays that miss the lens
     let wide = singlet(1.5).entrance_pupil_diameter(400.0);
-    let spot = Goal::equal(Operand::Spot { field: 0, wavelength_nm: 500.0 }, 0.0);
+    let spot = Goal::equal(Operand::Spot { field: 0, wavelength_nm: Some(500.0) }, 0.0);
     assert!(text(Optimiser::new(&wide).vary(parameter("radius 1")).goal(spot)).contains("cannot begin"));
 }

@@ -106,6 +106,18 @@ fn real_rays_near_the_axis_have_these_focal_lengths() {
     }
 }
 
+/// A spherical mirror with the stop at its centre has no axis of its own: its image lies on a sphere of half the radius
+/// about that centre, the Petzval surface.
+#[test]
+fn the_petzval_surface_of_a_concentric_mirror() {
+    let mirror = Prescription::new(vec![Surface::dummy(200.0), Surface::new(-200.0, -100.0, Behind::Mirror)])
+        .entrance_pupil_diameter(10.0);
+    let found = mirror.first_order(D_NM).unwrap();
+    near(found.entrance_pupil.position, 0.0, 0.0);
+    // light travels back: n' = -1
+    near(-found.petzval_sum, -1.0 / 100.0, 1e-16);
+}
+
 #[test]
 fn a_thin_lens_in_the_stop_has_the_textbook_seidel_sums() {
     // Welford, section 12.3: thin lens, stop at the lens, distant object, equi-convex, n = 1.5:
@@ -118,6 +130,7 @@ fn a_thin_lens_in_the_stop_has_the_textbook_seidel_sums() {
     let invariant = h * slope;
     near(sum.astigmatism, invariant * invariant / f, 1e-14);
     near(sum.petzval, invariant * invariant / f / n, 1e-14);
+    near(sum.petzval, -invariant * invariant * lens.first_order(D_NM).unwrap().petzval_sum, 1e-14);
     near(sum.distortion, 0.0, 1e-14);
     // S_I = h^4 K^3 / 4 ((n / (n - 1))^2 + (n + 2) / (n (n - 1)^2) (B + 2 (n^2 - 1) / (n + 2) C)^2 - n / (n + 2) C^2), B = 0,
     // C = -1 for a distant object

@@ -25,7 +25,7 @@ fn plano_convex(radius: f64, conic: f64, even: [f64; 8]) -> Prescription {
 }
 
 fn spot_goal() -> Goal {
-    Goal::equal(Operand::Spot { field: 0, wavelength_nm: D_NM }, 0.0)
+    Goal::equal(Operand::Spot { field: 0, wavelength_nm: Some(D_NM) }, 0.0)
 }
 
 /// An axicon given by its term in r: light along the axis is refracted to the same slope everywhere.

@@ -3,7 +3,7 @@
 use crate::lenses::near;
 use rayweave_lens::design::{Merit, Spread, Tolerancing, Trials};
 use rayweave_lens::prescription::{Behind, Prescription, Surface};
-use rayweave_optics::component::lensmaker;
+use rayweave_optics::component::{Figure, lensmaker};
 
 const R1: f64 = 60.0;
 const R2: f64 = -90.0;
@@ -163,6 +163,56 @@ fn refocusing_compensates_a_thickness_error() {
     near(out.sensitivities().unwrap()[0].plus, expected, 1e-3 * expected);
     let back = out.refocused().sensitivities().unwrap()[0].plus;
     assert!(back < 1e-6, "{back}");
+}
+
+/// A round lens has no preferred side: moving it by d changes the image of the field f as moving it by -d changes that
+/// of -f. A merit over fields on one side is therefore not even in d, one over both sides is.
+#[test]
+fn an_error_on_either_side_has_the_same_effect() {
+    let mut lens = singlet();
+    lens.fields = vec![[0.0, 0.0], [0.0, 6.0], [0.0, 9.0]];
+    let mut wide = lens.clone();
+    wide.fields.extend([[0.0, -6.0], [0.0, -9.0], [0.0, 0.0]]);
+    for merit in [Merit::SpotRms, Merit::WavefrontRms] {
+        let of = |lens: &Prescription, mirrors: Option<bool>| {
+            let all = Tolerancing::new(lens, merit).add("tilt x 2".parse().unwrap(), Spread::Uniform(0.5));
+            let all = all.add("decentre y 1".parse().unwrap(), Spread::Uniform(0.2));
+            let all = mirrors.into_iter().fold(all, Tolerancing::mirror_fields);
+            (all.nominal().unwrap(), all.sensitivities().unwrap(), all.has_one_sided_fields())
+        };
+        let (nominal, alone, is_default) = of(&lens, None);
+        let (one_sided, uneven, _) = of(&lens, Some(false));
+        let (twice, both, is_other) = of(&wide, None);
+        assert!(is_default && !is_other);
+        // the round lens itself is the same on both sides
+        near(nominal, one_sided, 1e-12 * nominal);
+        near(twice, nominal, 1e-12 * nominal);
+        for ((alone, uneven), both) in alone.iter().zip(&uneven).zip(&both) {
+            near(alone.plus, alone.minus, 1e-9 * alone.plus);
+            near(both.plus, alone.plus, 1e-12 * alone.plus);
+            assert!(alone.plus > nominal && (uneven.plus - uneven.minus).abs() > 0.01 * nominal);
+        }
+    }
+}
+
+#[test]
+fn fields_are_mirrored_where_an_error_breaks_the_symmetry_of_a_round_lens() {
+    let lens = |fields: &[[f64; 2]]| {
+        let mut lens = singlet();
+        lens.fields = fields.to_vec();
+        lens
+    };
+    let is_default = |lens: &Prescription, name: &str| {
+        let errors = Tolerancing::new(lens, Merit::SpotRms).add(name.parse().unwrap(), Spread::Uniform(0.1));
+        errors.has_one_sided_fields()
+    };
+    let one_sided = lens(&[[0.0, 0.0], [0.0, 6.0], [4.0, 0.0]]);
+    assert!(is_default(&one_sided, "tilt y 1") && !is_default(&one_sided, "radius 1"));
+    assert!(!is_default(&lens(&[[0.0, 0.0]]), "tilt x 1"));
+    assert!(!is_default(&lens(&[[0.0, -6.0], [0.0, 6.0]]), "tilt x 1"));
+    let mut cylinder = one_sided.clone();
+    cylinder.surfaces[1] = cylinder.surfaces[1].clone().figure(Figure::Toroidal { turn: f64::INFINITY });
+    assert!(!is_default(&cylinder, "tilt x 1"));
 }
 
 #[test]

@@ -71,7 +71,16 @@ fn written_files_are_read_back() {
         lens.surfaces[0].semi_diameter = Some(51.0);
         lens
     };
-    for lens in [singlet(), doublet(), triplet(), finite, slow, hubble] {
+    // radii with all digits of an f64
+    let optimised = {
+        let mut lens = triplet();
+        lens.surfaces
+            .iter_mut()
+            .zip(1..)
+            .for_each(|(surface, k)| surface.radius *= 1.0 / 3.0 + 0.1 * f64::from(k));
+        lens
+    };
+    for lens in [singlet(), doublet(), triplet(), finite, slow, hubble, optimised] {
         let text = write_zmx(&lens).unwrap();
         let read = read_zmx(text.as_bytes()).unwrap();
         assert_eq!(read.prescription, lens, "{text}");
@@ -87,14 +96,16 @@ fn written_files_are_read_back() {
 
 #[test]
 fn unknown_glasses_become_model_glasses() {
-    let file = SINGLET.replace("N-BK7 0 0 1.5168 64.17", "BK7 0 0 1.5168 64.17").replace("FTYP 0", "FTYP 3");
+    let file =
+        SINGLET.replace("N-BK7 0 0 1.5168 64.17", "BAK4 0 0 1.56883 56.13").replace("FTYP 0", "FTYP 3");
     let read = read_zmx(file.as_bytes()).unwrap();
-    assert_eq!(read.prescription.surfaces[0].behind, Behind::Abbe { n_d: 1.5168, v_d: 64.17 });
+    // N-BAK4 has the Abbe number 55.98
+    assert_eq!(read.prescription.surfaces[0].behind, Behind::Abbe { n_d: 1.56883, v_d: 56.13 });
     assert_eq!(read.prescription.field_kind, FieldKind::ImageHeight);
     let notes: Vec<String> = read.notes.iter().map(ToString::to_string).collect();
     assert_eq!(notes[0], "line 8: real image heights of fields are taken as paraxial ones");
-    assert!(notes[1].starts_with("line 31: no glass is named \"BK7\""), "{notes:?}");
-    assert!(notes[1].ends_with("; a model glass of its index 1.5168 and Abbe number 64.17 is used"));
+    assert!(notes[1].starts_with("line 31: no glass is named \"BAK4\""), "{notes:?}");
+    assert!(notes[1].ends_with("; a model glass of its index 1.56883 and Abbe number 56.13 is used"));
     // the index and Abbe number that programs write as placeholders are ignored
     let dummy = |name: &str| SINGLET.replace("N-BK7 0 0 1.5168 64.17", &format!("{name} 0 0 1.5 40"));
     assert!(read_zmx(dummy("BK8").as_bytes()).unwrap_err().to_string().starts_with("line 31: no glass"));
@@ -103,6 +114,24 @@ fn unknown_glasses_become_model_glasses() {
     assert_eq!(read.prescription.surfaces[0].behind, Behind::Glass("N-BK7".to_owned()));
     let reported = read.notes.iter().any(|note| note.to_string().ends_with("; its successor N-BK7 is used"));
     assert!(reported, "{:?}", read.notes);
+}
+
+/// The numbers in the files are those of Schott's catalogue of 1996.
+#[test]
+fn successors_with_the_same_index_and_abbe_number_replace_older_glasses() {
+    for (name, data) in [("SK16", "1.62041 60.33"), ("BK7", "1.5168 64.17"), ("SK16", "1.620410 60.3236")] {
+        let line = format!("{name} 0 0 {data}");
+        let read = read_zmx(SINGLET.replace("N-BK7 0 0 1.5168 64.17", &line).as_bytes()).unwrap();
+        assert_eq!(read.prescription.surfaces[0].behind, Behind::Glass(format!("N-{name}")));
+        let notes: Vec<String> = read.notes.iter().map(ToString::to_string).collect();
+        let text = format!("; its successor N-{name} is used, which has its index and Abbe number");
+        assert!(notes.iter().any(|note| note.starts_with("line 31: ") && note.ends_with(&text)), "{notes:?}");
+    }
+    for data in ["1.6206 60.33", "1.62041 60.2"] {
+        let line = format!("SK16 0 0 {data}");
+        let read = read_zmx(SINGLET.replace("N-BK7 0 0 1.5168 64.17", &line).as_bytes()).unwrap();
+        assert!(matches!(read.prescription.surfaces[0].behind, Behind::Abbe { .. }), "{data}");
+    }
 }
 
 /// F2 is a name of two makers (Schott 1.62004, CDGM 1.61293); F4 one of CDGM (1.62005) and, in the file, the

@@ -34,7 +34,7 @@ files       `load`, `Prescription.read_zmx`
 from rayweave._core import Glass, GradedMedium, Sheet, glass_names
 from rayweave.optics._analysis import Path, Spot
 from rayweave.optics._columns import Columns
-from rayweave.optics._design import Goal, Optimum, Sensitivities, Trials, goal, optimise, tolerance
+from rayweave.optics._design import Goal, GoalTable, Optimum, Sensitivities, Trials, goal, optimise, tolerance
 from rayweave.optics._elements import (
     Aperture,
     Asphere,
@@ -156,6 +156,7 @@ __all__ = [
     "FocalShift",
     "Glass",
     "Goal",
+    "GoalTable",
     "GradedMedium",
     "LateralColour",
     "Material",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -41,11 +42,13 @@ class Sensitivities(Columns):
     ['thickness 1']
     """
 
-    def show(self, *, ax: Axes | None = None) -> Axes:
-        """Draws the changes of the merit as bars; the parameter with the largest change is on top."""
+    def show(self, *, ax: Axes | None = None, most: int = 20) -> Axes:
+        """Draws the changes of the merit as bars; the parameter with the largest change is on top. Only the `most` parameters
+        with the largest changes are drawn."""
         ax = _axes(ax)
         changes = [np.abs(self[name] - self["nominal"]) for name in ("minus", "plus")]
-        order = np.argsort(np.maximum(*changes))
+        order = np.argsort(np.maximum(*changes))[-whole(most, "most", least=1) :]
+        ax.tick_params(axis="y", labelsize="small" if len(order) > 10 else "medium")
         for name in ("minus", "plus"):
             ax.barh(self["parameter"][order], self[name][order] - self["nominal"][order], label=name, alpha=0.7)
         return _labelled(ax, "change of the merit", "")
@@ -56,7 +59,7 @@ class Trials(Columns):
     light or a parameter leaves its range; then all rays count as lost),
     `shift`, the distance by which the image was moved to refocus it, and `lost`, the number of rays of all fields and
     wavelengths that did not arrive. `nominal` is the merit without errors, `sensitivities` the effect of each
-    parameter.
+    parameter, and `mirrored` is true if fields were evaluated on both sides of the axis.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -67,6 +70,7 @@ class Trials(Columns):
     """
 
     nominal: float
+    mirrored: bool
     sensitivities: Sensitivities
 
     def quantile(self, fraction: float) -> float:
@@ -100,6 +104,7 @@ def tolerance(
     refocus: bool = False,
     vignette: bool = False,
     rings: int = RINGS,
+    mirror_fields: bool | None = None,
     seed: int = 0,
     threads: int | None = None,
 ) -> Trials:
@@ -112,9 +117,14 @@ def tolerance(
     "focal length", the "back focal distance", or the displacement of the first field's centroid ("image shift"). A spot
     contains all wavelengths about their common centroid; rays have the weight of their wavelength times that of their
     point of the pupil (`pupil_quadrature`). Wavefronts are at the primary wavelength. Spot and wavefront merits are root mean squares
-    over all fields, with equal weights. Rays are traced from surface to surface and fill the paraxial entrance pupil in `rings`
-    rings, regardless of the semi-diameters; with `vignette`, a ray ends where it hits a surface beyond its stated
+    over all fields of the prescription, with equal weights. Rays are traced from surface to surface and fill the paraxial
+    entrance pupil in `rings` rings, regardless of the semi-diameters; with `vignette`, a ray ends where it hits a surface beyond its stated
     semi-diameter, or in its hole.
+
+    With `mirror_fields`, each field (x, y) is evaluated at (-x, -y), too, and the two have half its weight each. An error
+    that decentres or tilts a surface can improve the fields on one side of the axis as much as it spoils those on the other, so
+    that errors look harmless where the fields lie on one side only. By default fields are therefore mirrored if all lie on
+    one side, an error decentres or tilts surfaces, and the lens is round about one axis; `Trials.mirrored` states it.
 
     With `refocus`, the image of every trial is moved to the minimum of the mean square radius of all spots. Trial k
     does not depend on the number of trials or threads, and appending parameters does not change the errors of earlier
@@ -140,6 +150,7 @@ def tolerance(
         vignette=flag(vignette, "vignette"),
         # without rings there is only the ray in the middle, which has a position but no spot radius
         rings=whole(rings, "rings", least=1 if needs_rings else 0, bits=31),
+        mirror_fields=None if mirror_fields is None else flag(mirror_fields, "mirror_fields", "True, False or None"),
         seed=whole(seed, "seed"),
         threads=threads,
     )
@@ -150,7 +161,7 @@ def tolerance(
         {**columns, "merit": found["merits"], "shift": found["shifts"], "lost": found["lost"]},
         {**units, "merit": unit, "shift": lens.unit},
     )
-    table.nominal = found["nominal"]
+    table.nominal, table.mirrored = found["nominal"], found["mirrored"]
     alone: NDArray[np.float64] = np.array(found["alone"])
     table.sensitivities = Sensitivities(
         {
@@ -205,6 +216,11 @@ class Goal:
     def _row(self) -> tuple[Any, ...]:
         return self.operand, list(self.numbers), self.target, self.value, self.weight
 
+    def _name(self) -> str:
+        """The operand with its place, such as "spot, field 1, 587.6 nm"."""
+        kinds = ("surface {:g}", "height {:g}") if self.operand == "edge" else ("field {:g}", "{:g} nm")
+        return ", ".join([self.operand, *(kind.format(number) for kind, number in zip(kinds, self.numbers, strict=False))])
+
 
 _RAY_OPERANDS = ("spot", "wavefront")
 _NUMBER_OPERANDS = (
@@ -255,14 +271,16 @@ def goal(
     Operands of one number: "focal length", "back focal distance", "defocus" (from the image to the paraxial image),
     "magnification"; the Seidel sums "spherical", "coma", "astigmatism", "petzval", "distortion", "axial colour",
     "lateral colour"; a parameter by its name, such as "thickness 1"; "edge", the distance from a `surface` to the next
-    one at a `height` from the axis. Operands of all rays of a `field` at a wavelength: "spot", whose sum of squares is
-    the square of the RMS radius, and "wavefront", whose sum of squares is the square of the RMS in waves.
+    one at a `height` from the axis. Operands of all rays of a `field`: "spot", whose sum of squares is the square of
+    the RMS radius, and "wavefront" at a wavelength, whose sum of squares is the square of the RMS in waves. A spot
+    contains all wavelengths with their weights about their common centroid, as `Prescription.spots` and `tolerance`; with
+    `wavelength_nm` it has one wavelength and its own centroid, and lateral colour does not count.
 
     >>> import rayweave.optics as ro
     >>> ro.goal("focal length", 50, weight=2).target
     'equal'
-    >>> ro.goal("spot", field=0, wavelength_nm=587.6).operand
-    'spot'
+    >>> ro.goal("spot", field=0).numbers, ro.goal("spot", field=0, wavelength_nm=587.6).numbers
+    ((0.0,), (0.0, 587.6))
     """
     text(operand, "operand")
     given = {"equal": equal, "least": at_least, "most": at_most}
@@ -283,6 +301,8 @@ def goal(
         )
     places = {"field": field, "wavelength_nm": wavelength_nm, "surface": surface, "height": height}
     names = ("field", "wavelength_nm") if operand in _RAY_OPERANDS else ("surface", "height") if operand == "edge" else ()
+    if operand == "spot" and wavelength_nm is None:
+        names = ("field",)
     missing = [name for name in names if places[name] is None]
     extra = [name for name, value in places.items() if value is not None and name not in names]
     if missing:
@@ -294,11 +314,46 @@ def goal(
     return Goal(operand, numbers, *stated[0], real(weight, "weight"))
 
 
+class GoalTable(Columns):
+    """The goals of an optimisation, one in each row: `goal`, the operand with its field, wavelength or surface; `target`
+    ("equal", "least" or "most") and `wanted`, its value; `weight`; `value_before` and `value_after`, the values of the
+    operand (for "spot" and "wavefront" the RMS); `contribution_before` and `contribution_after`, the squares of the
+    weighted deviations, whose sums are the squares of `Optimum.before` and `Optimum.after`.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> goals = [ro.goal("focal length", 60), ro.goal("spot", field=1)]
+    >>> best = ro.optimise(lens, ["curvature 2", "thickness 2"], goals)
+    >>> best.goals["goal"].tolist()
+    ['focal length', 'spot, field 1']
+    >>> bool(abs(best.goals["contribution_after"].sum() - best.after**2) < 1e-12)
+    True
+    """
+
+    @classmethod
+    def _of(cls, goals: list[Goal], found: list[tuple[list[float], list[float]]]) -> Self:
+        values, parts = (np.array([row[k] for row in found], float).reshape(-1, 2) for k in range(2))
+        return cls(
+            {
+                "goal": [goal._name() for goal in goals],
+                "target": [goal.target for goal in goals],
+                "wanted": [goal.value for goal in goals],
+                "weight": [goal.weight for goal in goals],
+                "value_before": values[:, 0],
+                "value_after": values[:, 1],
+                "contribution_before": parts[:, 0],
+                "contribution_after": parts[:, 1],
+            },
+            {},
+        )
+
+
 @dataclass(frozen=True)
 class Optimum:
     """The result of an optimisation: the prescription `lens`, the `values` of its parameters, and the root of the sum
-    of squares of all weighted deviations `before` and `after`. `has_converged` is true if no step improves it further,
-    and `reason` states why it ended.
+    of squares of all weighted deviations `before` and `after`. `goals` lists the goals with their values and contributions.
+    `has_converged` is true if no step improves it further, and `reason` states why it ended.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -306,10 +361,13 @@ class Optimum:
     >>> best = ro.optimise(lens, ["curvature 2"], [ro.goal("focal length", 60)])
     >>> round(best.lens.first_order().focal_length, 6), best.has_converged
     (60.0, True)
+    >>> best.goals["value_before"].round(3), best.goals["value_after"].round(3)
+    (array([49.213]), array([60.]))
     """
 
     lens: Prescription
     values: dict[str, float]
+    goals: GoalTable
     before: float
     after: float
     evaluations: int
@@ -321,8 +379,9 @@ class Optimum:
         return table_of("Optimum", merit | self.values)
 
     @classmethod
-    def _of(cls, compiled: _core.CompiledPrescription, table: dict[str, Any]) -> Self:
-        return cls(Prescription._of(compiled), **(table | {"reason": _reason(table["reason"])}))
+    def _of(cls, compiled: _core.CompiledPrescription, table: dict[str, Any], goals: list[Goal]) -> Self:
+        rows = GoalTable._of(goals, table["goals"])
+        return cls(Prescription._of(compiled), **(table | {"reason": _reason(table["reason"]), "goals": rows}))
 
 
 #: Descriptions of the termination reasons of the crate levenberg-marquardt, by its names.
@@ -359,7 +418,8 @@ def optimise(
     algorithm is that of Levenberg and Marquardt in the form of J. J. Moré (1978), as in MINPACK. It finds a local minimum
     near the start, not the global one. Spots and wavefronts are means over the pupil from 2 rings (rings + 2) rays
     (`pupil_quadrature`), which exclude the ray through the rim. The search ends after `patience * (number of parameters + 1)` evaluations of the goals,
-    not counting those for derivatives.
+    not counting those for derivatives. The search follows rays from surface to surface, also where surfaces cross: a
+    `UserWarning` states that the result cannot be built.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -368,8 +428,26 @@ def optimise(
     >>> bool(best.after < best.before)
     True
     """
-    rows = [goal._row() for goal in all_of(Goal, goals, "goals", "Make one with goal(operand, ..).")]
+    given = all_of(Goal, goals, "goals", "Make one with goal(operand, ..).")
+    rows = [goal._row() for goal in given]
     names = [text(name, "a parameter") for name in ([parameters] if isinstance(parameters, str) else each(parameters, "parameters", "names"))]
     needs_rings = any(row[0] in ("spot", "wavefront") for row in rows)
     count = whole(rings, "rings", least=1 if needs_rings else 0, bits=31)
-    return Optimum._of(*_core.optimise(_lens(lens), names, rows, rings=count, patience=whole(patience, "patience", least=1)))
+    found = _core.optimise(_lens(lens), names, rows, rings=count, patience=whole(patience, "patience", least=1))
+    best = Optimum._of(*found, given)
+    _warn_of_crossing(lens, best.lens)
+    return best
+
+
+def _warn_of_crossing(start: Prescription, best: Prescription) -> None:
+    """Warns if the solids of an optimised lens cannot be built although those of the start can: the residuals follow rays
+    from surface to surface, also where these cross."""
+    try:
+        best.elements()
+    except _core.RayweaveError as problem:
+        try:
+            start.elements()
+        except _core.RayweaveError:
+            return
+        hint = 'Add bounds, such as goal("edge", at_least=1, surface=1, height=10) or goal("thickness 2", at_least=0.5).'
+        warnings.warn(f"the optimised lens cannot be built: {problem} {hint}", stacklevel=3)

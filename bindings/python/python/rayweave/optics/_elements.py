@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from typing import Any, Self
@@ -112,22 +113,36 @@ def rough(slope: float) -> Finish:
     return Finish("rough", (real(slope, "slope"),))
 
 
-def coated(*films: tuple[complex, float]) -> Finish:
-    """Thin films, the outermost first: pairs of an index (complex if it absorbs) and a thickness in nanometres.
+#: A thin film: its index (complex if it absorbs) and its thickness in nanometres, or n, k and thickness as in model files.
+Film = tuple[complex, float] | tuple[float, float, float] | Sequence[float]
+
+
+def coated(*films: Film | Sequence[Film]) -> Finish:
+    """Thin films, the outermost first: pairs of an index (complex if it absorbs) and a thickness in nanometres, or triples of
+    n, k and the thickness, as in model files; one by one or as a list.
 
     >>> import rayweave.optics as ro
     >>> ro.coated((1.38, 100.0))
     Finish(kind='coated', numbers=(1.38, 0.0, 100.0))
+    >>> ro.coated([[1.38, 0, 100.0]]) == ro.coated((1.38, 100.0))
+    True
     """
-    return Finish("coated", tuple(number for film in films for number in _film(film)))
+    first: Any = films[0] if len(films) == 1 and isinstance(films[0], Sequence) else ()
+    is_list = len(first) > 0 and all(isinstance(film, Sequence) for film in first)
+    given: Any = first if is_list else films
+    return Finish("coated", tuple(number for film in given for number in _film(film)))
 
 
-def _film(film: tuple[complex, float]) -> _Numbers:
+def _film(film: Film) -> _Numbers:
     match film:
         case (n, thickness_nm):
             index = _index(n, "the index of a film")
             return index.real, index.imag, real(thickness_nm, "the thickness of a film")
-    raise TypeError(f"a film is {film!r}: it must be a pair of its index and its thickness in nanometres.")
+        case (n, k, thickness_nm):
+            extinction, thickness = real(k, "the extinction of a film"), real(thickness_nm, "the thickness of a film")
+            return real(n, "the index of a film"), extinction, thickness
+    needed = "a pair of its index and its thickness in nanometres, or n, k and the thickness"
+    raise TypeError(f"a film is {film!r}: it must be {needed}.")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

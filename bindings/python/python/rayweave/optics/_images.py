@@ -227,7 +227,8 @@ class Spots(Columns):
 class Fans(Columns):
     """Ray fans: `field`, `wavelength_nm`, `along` (0: rays in the pupil along x, 1: along y), `pupil`, the position
     there from -1 to 1, and the transverse aberrations `error_x` and `error_y`, measured from the point where the
-    chief ray of the same wavelength hits the image.
+    ray through the centre of the paraxial entrance pupil (of the stop, if rays are aimed) hits the image, at the primary
+    wavelength or at the same one.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -294,7 +295,12 @@ class Fans(Columns):
 class Seidel(Columns):
     """The Seidel sums S_I to S_V and the chromatic sums C_I and C_II by `surface`, counted from 1: wavefront
     aberrations, twice to eight times their coefficients (W. T. Welford, Aberrations of Optical Systems, 1986, chapters
-    8 and 10).
+    8 and 10), in the unit of lengths, for the marginal ray of the axis and the chief ray of the last field.
+
+    The wavefront at the rim of the pupil, at the edge of the field, is `spherical` / 8, `coma` / 2, `astigmatism` / 2,
+    `petzval` / 4, `distortion` / 2, `axial_colour` / 2 and `lateral_colour`. `petzval` is S_IV = -H^2 c (1/n' - 1/n) with the
+    Lagrange invariant H, for a distant object the semi-diameter of the entrance pupil times the tangent of the field angle; its
+    sum is -H^2 times `FirstOrder.petzval_sum`. The colours are those between the first and the last wavelength.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -363,7 +369,8 @@ class ZernikeFit(Columns):
 
 class Wavefront(Columns):
     """Optical path differences: `pupil_x` and `pupil_y` in units of the pupil's semi-diameter, `waves` against a sphere
-    about the point where the chief ray hits the image, through the paraxial exit pupil on the axis; positive where
+    about the point where the ray through the centre of the paraxial entrance pupil (of the stop, if rays are aimed) hits the
+    image, through the paraxial exit pupil on the axis; positive where
     the light is ahead (W. T. Welford, Aberrations of Optical Systems, 1986, section 7.2).
 
     >>> import rayweave.optics as ro
@@ -426,7 +433,16 @@ class Wavefront(Columns):
         ax = _axes(ax)
         reach = float(np.abs(self["waves"]).max()) or 1.0
         x, y, waves = self["pupil_x"], self["pupil_y"], self["waves"]
-        drawn = ax.scatter(x, y, c=waves, cmap="RdBu_r", vmin=-reach, vmax=reach, s=16.0, marker="s")
+        shades: dict[str, Any] = {"cmap": "RdBu_r", "vmin": -reach, "vmax": reach}
+        (xs, columns), (ys, rows) = (np.unique(places, return_inverse=True) for places in (x, y))
+        steps = np.concatenate([np.diff(xs), np.diff(ys)])
+        if len(steps) and np.ptp(steps) < 1e-9 and len(xs) * len(ys) <= 4 * len(waves):
+            # a square grid: cells without gaps at any size of the drawing
+            cells = np.full((len(ys), len(xs)), np.nan)
+            cells[rows, columns] = waves
+            drawn: Any = ax.pcolormesh(xs, ys, cells, shading="nearest", **shades)
+        else:
+            drawn = ax.scatter(x, y, c=waves, s=16.0, marker="s", **shades)
         figure = ax.get_figure(root=True)
         if figure is not None:
             figure.colorbar(drawn, ax=ax, label="waves")
@@ -695,7 +711,8 @@ class FieldCurvature(_OverField):
         """Draws the foci against the field."""
         ax = _axes(ax)
         ax.plot(self["tangential"], self._height(), label="tangential")
-        ax.plot(self["sagittal"], self._height(), "--", label="sagittal")
+        # short dashes, so that the line does not seem to end in a gap
+        ax.plot(self["sagittal"], self._height(), dashes=(3.0, 1.0), label="sagittal")
         ax.axvline(0.0, color="#a0a0a0", linewidth=0.6)
         return _labelled(ax, f"focus, {self.units['tangential']}", self._label())
 

@@ -281,6 +281,12 @@ class FirstOrder:
     index times slope from the first surface to the last (E. Hecht, Optics, section 6.2.1). The formulas are those of
     Born & Wolf, Principles of Optics, 7th edition, section 4.4.
 
+    `petzval_sum` is the sum of c (1/n' - 1/n) over all surfaces with their curvatures c and the indices in front n and behind n',
+    in 1 over the unit of lengths. Times the index of the image space, which is negative behind an odd number of mirrors, it is
+    the curvature of the Petzval surface: negative if the image curves towards a lens of positive power, which has -1 / (n f) if
+    it is thin. The Seidel sum S_IV of `Prescription.seidel` is -H^2 times it, with the Lagrange invariant H (W. T. Welford,
+    Aberrations of Optical Systems, 1986, chapter 8), and thus has the opposite sign.
+
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
     >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
@@ -628,7 +634,8 @@ class Prescription:
         )
 
     def seidel(self) -> Seidel:
-        """The Seidel sums of every surface at the primary wavelength: wavefront aberrations in the unit of lengths."""
+        """The Seidel sums of every surface at the primary wavelength: wavefront aberrations in the unit of lengths, for the
+        last field. `Seidel` states their definitions."""
         return Seidel.of(self._compiled.seidel(), self.unit)
 
     # solids
@@ -739,16 +746,31 @@ class Prescription:
         airy = 1.2196698912665045 / cutoff if cutoff > 0.0 else 0.0
         return Spots.of(moved, self.fields, self.unit, titles=self._field_names(), airy_radius=airy)
 
-    def fans(self, *, wavelength_nm: float | None = None, count: int = 41, aimed: bool = False) -> Fans:
+    def fans(
+        self,
+        *,
+        wavelength_nm: float | None = None,
+        count: int = 41,
+        aimed: bool = False,
+        reference: Literal["primary", "same"] = "primary",
+    ) -> Fans:
         """Transverse ray aberrations of all fields along both axes of the pupil, at one wavelength or, by default, at
-        all of them."""
+        all of them.
+
+        They are measured from the ray through the centre of the paraxial entrance pupil or, if rays are `aimed`, of the stop,
+        which is the chief ray: at the primary wavelength, as in Zemax, so that the curves of other wavelengths show lateral
+        colour at the centre of the pupil; or with `reference="same"` at the wavelength of the fan, so that all curves go
+        through 0."""
         self._needs_real_object()
         lines = self.wavelengths_nm if wavelength_nm is None else (self._wavelength(wavelength_nm),)
+        if text(reference, "reference") not in ("primary", "same"):
+            unknown("reference of ray fans", reference, ("primary", "same"))
         found = []
         for field in range(len(self.fields)):
             for line in lines:
+                about = self.primary_nm if reference == "primary" else line
                 for along, kind in enumerate(_FANS):
-                    at, errors = self._compiled.fan(field, line, pupil_grid(kind, count), flag(aimed, "aimed"))
+                    at, errors = self._compiled.fan(field, line, about, pupil_grid(kind, count), flag(aimed, "aimed"))
                     found.append((field, line, along, at[:, along], errors))
         return Fans.of(found, self.unit, self._field_names())
 
@@ -964,7 +986,7 @@ class Prescription:
         rays = [lens._compiled.arrivals(k, line, pupil, flag(aimed, "aimed")).columns()["id"] for k in range(count)]
         return Vignetting.of(sweep, np.array([len(ids) / len(pupil) for ids in rays]))
 
-    def field_curvature(self, *, wavelength_nm: float | None = None, count: int = 21) -> FieldCurvature:
+    def field_curvature(self, *, wavelength_nm: float | None = None, count: int = 41) -> FieldCurvature:
         """The tangential and the sagittal focus of thin pencils about the chief ray, the one through the centre of
         the stop, over the field from the axis to its edge: distances along the axis from the image (Coddington; W. T.
         Welford, Aberrations of Optical Systems, section 9.5)."""

@@ -139,7 +139,8 @@ class System:
     def save(
         self, path: str | PathLike[str], *, format: str | None = None, tolerance: float | None = None, text: bool = False
     ) -> list[str]:
-        """Writes the solids of the system to a file in the format of its ending: see `Model.save`.
+        """Writes the solids of the system to a file in the format of its ending: see `Model.save`. Sheets, such as stops and the
+        image of a prescription, faces and light are not written; in a native file they can be added as `[optics]` tables.
 
         >>> import rayweave.optics as ro
         >>> _ = ro.System([ro.biconvex_lens(50, 50, 5, aperture=25)]).save("lens.stl")

@@ -144,18 +144,20 @@ impl PyPrescription {
         found.map(PyArrivals)
     }
 
-    /// A ray fan: points of the pupil and transverse ray aberrations, both (N, 2).
-    #[pyo3(signature = (field, wavelength_nm, pupil: "ArrayLike", aimed))]
+    /// A ray fan: points of the pupil and transverse ray aberrations, both (N, 2), from the central ray at `reference_nm`.
+    #[pyo3(signature = (field, wavelength_nm, reference_nm, pupil: "ArrayLike", aimed))]
     #[allow(clippy::type_complexity)] // two arrays
     fn fan<'py>(
         &self,
         field: usize,
         wavelength_nm: f64,
+        reference_nm: f64,
         pupil: &Bound<'py, PyAny>,
         aimed: bool,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
         let (py, points) = (pupil.py(), points(pupil, "pupil")?);
-        let fan = self.study(py, aimed, |study| study.fan(field, wavelength_nm, &points))?;
+        let fan =
+            self.study(py, aimed, |study| study.fan_about(field, wavelength_nm, reference_nm, &points))?;
         Ok((pairs(py, &fan.pupil), pairs(py, &fan.errors)))
     }
 

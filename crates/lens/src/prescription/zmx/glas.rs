@@ -42,8 +42,7 @@ pub(super) fn behind(words: &[&str], makers: &[String]) -> Result<(Behind, Optio
     let first = found.first().unwrap_or(&plain);
     let as_named = |glass: &Glass| (named(name, glass), unlisted(glass, makers, &known));
     let Some([n_d, v_d]) = stated else { return Ok(as_named(first)) };
-    let is_same = |glass: &Glass| glass.index(D_NM).is_ok_and(|own| (own - n_d).abs() <= INDEX_TOLERANCE);
-    if let Some(same) = found.iter().find(|glass| is_same(glass)) {
+    if let Some(same) = found.iter().find(|glass| has_index(glass, n_d)) {
         let (behind, note) = as_named(same);
         return Ok((behind, note.filter(|_| !has_abbe(same, v_d))));
     }
@@ -54,6 +53,11 @@ pub(super) fn behind(words: &[&str], makers: &[String]) -> Result<(Behind, Optio
         maker(first)
     );
     Ok((model([n_d, v_d]), Some(note)))
+}
+
+/// True if a glass has this index at the d line.
+fn has_index(glass: &Glass, n_d: f64) -> bool {
+    glass.index(D_NM).is_ok_and(|own| (own - n_d).abs() <= INDEX_TOLERANCE)
 }
 
 /// True if a glass has this Abbe number.
@@ -117,18 +121,26 @@ fn unlisted(found: &Glass, entries: &[String], known: &[&str]) -> Option<String>
     }
 }
 
-/// The substitute for a glass that no catalogue has.
+/// The substitute for a glass that no catalogue has: its successor, unless the file states another index or Abbe
+/// number; then a model glass.
 fn substitute(
     name: &str,
     problem: &str,
     stated: Option<[f64; 2]>,
 ) -> Result<(Behind, Option<String>), String> {
+    if let (Some([n_d, v_d]), Some((behind, glass))) = (stated, successor(name))
+        && has_index(&glass, n_d)
+        && has_abbe(&glass, v_d)
+    {
+        let note = format!("{problem}; its successor N-{name} is used, which has its index and Abbe number");
+        return Ok((behind, Some(note)));
+    }
     if let Some([n_d, v_d]) = stated {
         let note = format!("{problem}; a model glass of its index {n_d} and Abbe number {v_d} is used");
         return Ok((model([n_d, v_d]), Some(note)));
     }
     match successor(name) {
-        Some(successor) => {
+        Some((successor, _)) => {
             let note = format!("{problem}; its successor N-{name} is used");
             Ok((successor, Some(note)))
         }
@@ -137,9 +149,10 @@ fn substitute(
 }
 
 /// The lead- and arsenic-free successor (`N-`) of an older Schott glass.
-fn successor(name: &str) -> Option<Behind> {
-    let glass = Behind::Glass(format!("N-{name}"));
-    glass.medium().is_ok().then_some(glass)
+fn successor(name: &str) -> Option<(Behind, Glass)> {
+    let name = format!("N-{name}");
+    let found = glass(&name).ok()?;
+    Some((Behind::Glass(name), found))
 }
 
 fn model([n_d, v_d]: [f64; 2]) -> Behind {

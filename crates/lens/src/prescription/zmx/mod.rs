@@ -27,6 +27,7 @@
 //! specification; the reader follows the Zemax OpticStudio user guide, "Lens data editor", and files
 //! published by lens makers.
 
+mod curvature;
 mod glas;
 mod kind;
 mod read;

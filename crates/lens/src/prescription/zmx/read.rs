@@ -1,5 +1,6 @@
 //! Reader of Zemax files.
 
+use super::curvature::radius;
 use super::decimal;
 use super::glas::behind;
 use super::kind::{Parameters, broken, shaped};
@@ -136,7 +137,8 @@ struct Record {
     line: usize,
     type_line: usize,
     kind: String,
-    curvature: f64,
+    /// `None` without a curvature.
+    radius: Option<f64>,
     conic: f64,
     thickness: f64,
     behind: Option<Behind>,
@@ -283,7 +285,10 @@ impl Reader {
             "XDAT" if is_standard => return Ok(false),
             "PARM" => surface.parameters.set(whole(words, 0)?, number(words, 1)?)?,
             "XDAT" => surface.parameters.set_extra(whole(words, 0)?, number(words, 1)?)?,
-            "CURV" => surface.curvature = number(words, 0)?,
+            "CURV" => {
+                let curvature = number(words, 0)?;
+                surface.radius = words.first().map(|text| radius(text, curvature));
+            }
             "CONI" => surface.conic = number(words, 0)?,
             "DISZ" if words.first() == Some(&"INFINITY") => surface.thickness = f64::INFINITY,
             "DISZ" => surface.thickness = number(words, 0)?,
@@ -500,7 +505,7 @@ impl Reader {
         let last = self.surfaces.len() - 1;
         let image = &self.surfaces[last];
         let image = ImageSurface {
-            radius: radius(image.curvature),
+            radius: image.radius.unwrap_or(f64::INFINITY),
             conic: image.conic,
             semi_diameter: image.semi_diameter,
         };
@@ -531,16 +536,13 @@ impl Reader {
 impl Record {
     fn surface(&self) -> Result<Surface, String> {
         let behind = self.behind.clone().unwrap_or(Behind::Air);
+        let radius = self.radius.unwrap_or(f64::INFINITY);
         let conic = Surface {
             semi_diameter: self.semi_diameter.filter(|_| !self.is_decentred),
-            ..Surface::new(radius(self.curvature), self.thickness, behind).conic(self.conic).hole(self.hole)
+            ..Surface::new(radius, self.thickness, behind).conic(self.conic).hole(self.hole)
         };
         shaped(&self.kind, &self.parameters, conic)
     }
-}
-
-fn radius(curvature: f64) -> f64 {
-    if curvature == 0.0 { f64::INFINITY } else { decimal(1.0 / curvature) }
 }
 
 fn unit(name: &str) -> Result<f64, String> {

@@ -1,5 +1,6 @@
 //! Writer of Zemax files.
 
+use super::curvature::curvature;
 use super::decimal;
 use super::glas::{C_NM, D_NM, F_NM};
 use super::kind::written;
@@ -8,8 +9,9 @@ use rayweave_optics::Medium;
 use rayweave_optics::glass::{Glass, GlassError, glass as catalogue_glass};
 
 /// Writes a prescription as a Zemax file, in UTF-8 with line feeds. Reading it back gives the same
-/// prescription, with three exceptions: a [`Behind::Medium`] becomes a model glass, radii are rounded to 16
-/// digits, and a stop that sets the aperture gets a semi-diameter.
+/// prescription, with two exceptions: a [`Behind::Medium`] becomes a model glass, and a stop that sets the aperture
+/// gets a semi-diameter. Files state curvatures, with as many digits as radii from
+/// 1 to 1e5 need to come back; others come back to 16 digits.
 ///
 /// # Errors
 /// [`PrescriptionError::Glass`] for unknown media; [`PrescriptionError::Undefined`] for a surface that no
@@ -80,10 +82,9 @@ fn unit(unit_nm: f64) -> &'static str {
 }
 
 fn surface_lines(surface: &Surface, glass: Option<String>) -> Result<Vec<String>, PrescriptionError> {
-    let curvature = if surface.radius.is_infinite() { 0.0 } else { 1.0 / surface.radius };
     let (kind, parameters) =
         written(surface).map_err(|why| PrescriptionError::Undefined { what: "Zemax file", why })?;
-    let mut lines = vec![format!("  TYPE {kind}"), format!("  CURV {:.15e}", curvature)];
+    let mut lines = vec![format!("  TYPE {kind}"), format!("  CURV {}", curvature(surface.radius))];
     lines.extend(parameters);
     lines.extend((surface.conic != 0.0).then(|| format!("  CONI {}", surface.conic)));
     lines.push(format!("  DISZ {}", surface.thickness));
