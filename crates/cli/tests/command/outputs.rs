@@ -127,7 +127,7 @@ fn control_characters_and_numbers() {
     let same = |arguments: [&[&str]; 2]| assert_eq!(bench.run(arguments[0]).out, bench.run(arguments[1]).out);
     let volume = ["volume", "ball.toml", "--json"];
     same(
-        [&["--total", "1e3", "--seed", "1e1", "--threads", "1e0"], &["--total", "1000", "--seed", "10"]]
+        [&["--total", "1e3", "--seed", "1e1", "--threads", "1e0"][..], &["--total", "1000", "--seed", "10"]]
             .map(|options| [&volume[..], options].concat())
             .each_ref()
             .map(Vec::as_slice),
