@@ -136,6 +136,7 @@ impl Objects {
         let boxes = tree;
         let mut objects: Vec<Object> = order.iter().map(|&k| objects[k as usize].clone()).collect();
         let parts = reordered(&parts, &mut objects);
+        let steps = reordered_steps(&steps, &mut objects);
         let leaves = objects.iter().map(|object| parts[object.part as usize].method.leaf_count());
         let is_few = leaves.sum::<usize>() <= MAX_SPANS;
         let condition = group.condition;
@@ -416,6 +417,17 @@ fn reordered(parts: &[Part], objects: &mut [Object]) -> Vec<Part> {
             ordered.push(parts[object.part as usize].clone());
             ordered.len() as u32 - 1
         });
+    }
+    ordered
+}
+
+/// Sorts the transforms likewise.
+fn reordered_steps(steps: &[Step], objects: &mut [Object]) -> Vec<Step> {
+    let mut ordered = Vec::with_capacity(steps.len());
+    for object in objects {
+        let first = ordered.len() as u32;
+        ordered.extend_from_slice(&steps[object.steps.start as usize..object.steps.end as usize]);
+        object.steps = first..ordered.len() as u32;
     }
     ordered
 }

@@ -173,6 +173,14 @@ fn dots<S: Simd>(v: Vec3Lanes<S>, [x, y, z]: [Vec3Lanes<S>; 3]) -> Vec3Lanes<S> 
     Vec3Lanes { x: v.dot(x), y: v.dot(y), z: v.dot(z) }
 }
 
+/// Upper bound, up to rounding, of the factor by which a map lengthens vectors, sharp for maps that are not sheared: the square
+/// root of a row sum of A^T A bounds its greatest eigenvalue (Gershgorin 1931).
+pub(super) fn stretch(map: &Affine) -> f64 {
+    let square = map.linear.transpose() * map.linear;
+    let rows = [square.x_axis, square.y_axis, square.z_axis].map(|row| row.abs().element_sum());
+    rows.into_iter().fold(0.0, f64::max).sqrt()
+}
+
 impl Step {
     pub fn new(place: Place, parts: &mut LinearParts) -> Step {
         let linear = &place.local_from_world.linear;
@@ -180,6 +188,11 @@ impl Step {
         let key = std::array::from_fn(|k| linear.col(k / 3)[k % 3].to_bits());
         let linear = *parts.0.entry(key).or_insert(new);
         Step { place, norm: place.local_from_world.linear_norm(), linear }
+    }
+
+    /// See [`stretch`].
+    pub fn stretch(&self) -> f64 {
+        stretch(&self.place.local_from_world)
     }
 
     /// The image of a point.

@@ -5,6 +5,7 @@
 //! that contain all of that box, with a margin, have no events there; only the last of them counts, as the region behind
 //! the surface. Where many solids lie within one, such as phototubes in a tank, a tree of them replaces the list.
 
+use super::super::places::{Step, stretch};
 use super::{Method, Object, Objects};
 use rayweave_bvh::ExactBvh;
 use rayweave_math::{Bounds, Vec3};
@@ -302,7 +303,8 @@ impl Draft {
             // rays meet the solid around it first, and start elsewhere if they start in that
             let covers = |k: u32, other: u32| {
                 let shell = get(other);
-                other != k && shell.region > object.region && objects.contains_box(program, shell, &around(k))
+                let is_later = other != k && shell.region > object.region;
+                is_later && objects.contains(program, shell, (get(k), &around(k)), slack)
             };
             let is_covered: Vec<bool> =
                 list.iter().map(|&k| list.iter().any(|&other| covers(k, other))).collect();
@@ -344,7 +346,8 @@ impl Objects {
                 |bounds| bounds.union(&around) == *bounds,
                 |other| {
                     let shell = &self.objects[other];
-                    if other != k && shell.region > last && self.contains_box(program, shell, &around) {
+                    let inner = (&self.objects[k], &around);
+                    if other != k && shell.region > last && self.contains(program, shell, inner, slack) {
                         last = shell.region;
                     }
                     count += 1;
@@ -354,6 +357,44 @@ impl Objects {
             last
         };
         (0..extents.len()).map(cover).collect()
+    }
+
+    /// True if a solid, with a margin, certainly lies in a convex one: if its box does, or if it is a ball that does.
+    fn contains(
+        &self,
+        program: &Program,
+        shell: &Object,
+        (inner, bounds): (&Object, &Bounds),
+        slack: f64,
+    ) -> bool {
+        self.contains_box(program, shell, bounds) || self.contains_ball(program, shell, inner, slack)
+    }
+
+    /// True if a solid that is a ball, with a margin, certainly lies in a convex one.
+    fn contains_ball(&self, program: &Program, shell: &Object, inner: &Object, slack: f64) -> bool {
+        let Method::Plan(plan) = &self.parts[shell.part as usize].method else { return false };
+        let [(surface, true)] = self.parts[inner.part as usize].sides[..] else { return false };
+        let Surface::Sphere(ball) = &program.surface(SurfaceId(surface)).surface else { return false };
+        let (up, _) = program.placement(PlacementId(inner.placement));
+        let steps = self.steps(shell);
+        let norm: f64 = steps.iter().map(Step::stretch).product();
+        let centre = steps.iter().fold(up.point(ball.centre), |point, step| step.point(point));
+        // the margin covers the rounding of the maps, which is far below the slack
+        let radius = norm * (stretch(&up) * ball.radius * (1.0 + 1e-9) + 2.0 * slack);
+        let holds = |&(surface, inside): &(u32, bool)| match &program.surface(SurfaceId(surface)).surface {
+            Surface::Plane(plane) => {
+                let height = plane.normal.dot(centre) - plane.offset;
+                (if inside { -height } else { height }) > radius
+            }
+            Surface::Sphere(shell) => inside && (centre - shell.centre).length() + radius < shell.radius,
+            Surface::Cylinder(shell) => {
+                let offset = centre - shell.point;
+                let across = offset - offset.dot(shell.axis) * shell.axis;
+                inside && across.length() + radius < shell.radius
+            }
+            _ => false,
+        };
+        plan.is_single_span() && self.parts[shell.part as usize].sides.iter().all(holds)
     }
 
     /// True if a box certainly lies in a convex solid: if its corners do.
