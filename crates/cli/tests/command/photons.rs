@@ -388,7 +388,7 @@ fn protruding_daughters_are_noted() {
     assert!(text.contains(diode));
     assert!(!bench.run(&run(&[])).err.contains("extends beyond"));
     // the diode, half outside the hall
-    bench.write("bar.gdml", &text.replace(diode, r#"z="100""#));
+    bench.write("bar.gdml", text.replace(diode, r#"z="100""#));
     let said = bench.run(&run(&[])).err;
     let found = bench.json(&["check", "bar.gdml", "--json"]);
     let outside = found["findings"].as_array().unwrap().iter().find(|own| own["kind"] == "outside").unwrap();
