@@ -319,7 +319,7 @@ impl Simulation {
         let text = |text: &str| {
             let name = self.model.name();
             format!(
-                "{text}: it replaces what is there, unlike in Geant4. `rayweave check {name}` shows where."
+                "note: {text}: it replaces what is there, unlike in Geant4. `rayweave check {name}` shows where."
             )
         };
         found.iter().map(|finding| text(&finding.text)).collect()
