@@ -368,7 +368,7 @@ pub struct SamplingArguments {
 /// A box that limits a query.
 #[derive(Args)]
 pub struct WithinArguments {
-    /// Consider only the part within a box, given by its lower and its upper corner
+    /// Consider only the part within a box from a lower to an upper corner, as -1,-1,0 1,1,2
     #[arg(long, num_args = 2, value_names = ["LO", "HI"], value_parser = point, allow_hyphen_values = true)]
     pub within: Option<Vec<[f64; 3]>>,
 }

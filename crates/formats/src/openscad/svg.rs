@@ -145,7 +145,9 @@ fn check_depth(text: &str) -> Result<(), String> {
 /// A length in millimetres.
 fn millimetres(length: Length, dpi: f64) -> Option<f64> {
     let factor = match length.unit {
-        LengthUnit::None | LengthUnit::Px => 25.4 / dpi,
+        LengthUnit::None => 25.4 / dpi,
+        // of CSS: OpenSCAD's `dpi` is for lengths without a unit
+        LengthUnit::Px => 25.4 / 96.0,
         LengthUnit::In => 25.4,
         LengthUnit::Cm => 10.0,
         LengthUnit::Mm => 1.0,

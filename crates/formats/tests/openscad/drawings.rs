@@ -28,6 +28,13 @@ fn svg_pages() {
             [-50.0, -25.0, 50.0, 25.0],
         ),
         // without a view box the unit is a millimetre
+        // pixels are those of CSS, 96 in an inch, whatever the resolution
+        (
+            "width=\"192px\" height=\"96px\" viewBox=\"0 0 200 100\"",
+            two,
+            ", dpi = 72",
+            [0.0, 0.0, 50.8, 25.4],
+        ),
         ("width=\"100\" height=\"50\"", pill, ", dpi = 72", [10.0, 17.6389 - 40.0, 90.0, 17.6389 - 30.0]),
         // without a size the unit is a pixel
         ("viewBox=\"10 0 200 100\"", pill, ", dpi = 25.4", [0.0, 60.0, 80.0, 70.0]),
