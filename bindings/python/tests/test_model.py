@@ -198,7 +198,7 @@ expr = "plate - (hole | pin)"
     assert "... and 1 more" in rw.loads(toml).preparation(lines=0)
 
 
-DUMP = "difference() { cube(size = [4, 4, 4], center = true); sphere($fn = 8, r = 1); }\n"
+DUMP = "difference() { cube(size = [4, 4, 4], center = true); sphere($fn = 12, r = 1); }\n"
 
 
 def test_openscad_models_are_read_by_ending_or_by_name(tmp_path: Path) -> None:

@@ -300,9 +300,10 @@ def goal(
             f'such as "thickness 1": {quantities}.{hint}'
         )
     places = {"field": field, "wavelength_nm": wavelength_nm, "surface": surface, "height": height}
-    names = ("field", "wavelength_nm") if operand in _RAY_OPERANDS else ("surface", "height") if operand == "edge" else ()
-    if operand == "spot" and wavelength_nm is None:
-        names = ("field",)
+    names: tuple[str, ...] = ("surface", "height") if operand == "edge" else ()
+    if operand in _RAY_OPERANDS:
+        # the spot of all wavelengths needs none
+        names = ("field",) if operand == "spot" and wavelength_nm is None else ("field", "wavelength_nm")
     missing = [name for name in names if places[name] is None]
     extra = [name for name, value in places.items() if value is not None and name not in names]
     if missing:
