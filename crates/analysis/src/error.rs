@@ -4,7 +4,7 @@ use crate::infill::{ContourProblems, InfillError};
 use crate::measure::MeasureError;
 use crate::section::SectionError;
 use rayweave_error::{Classified, ErrorKind, Message};
-use rayweave_model::{BadRay, CompileError, Program};
+use rayweave_model::{BadPoint, BadRay, CompileError, Program};
 use rayweave_scene::SceneError;
 use rayweave_shape::primitive::ShapeError;
 use rayweave_table::TableError;
@@ -41,6 +41,9 @@ pub enum AnalysisError {
     /// A ray cannot be traced.
     #[error(transparent)]
     Ray(#[from] BadRay),
+    /// A point is not finite.
+    #[error(transparent)]
+    Point(#[from] BadPoint),
     /// A file of rays cannot be read, or a table cannot be written.
     #[error(transparent)]
     Table(#[from] TableError),
@@ -82,6 +85,7 @@ impl Classified for AnalysisError {
             AnalysisError::Contours(error) => error.kind(),
             // the rays are those of a file
             AnalysisError::Ray(_) => ErrorKind::Input,
+            AnalysisError::Point(bad) => bad.kind(),
             AnalysisError::Table(error) => error.kind(),
             AnalysisError::Solid(_) => ErrorKind::Solid,
             AnalysisError::Value(_) => ErrorKind::Value,

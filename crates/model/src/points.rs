@@ -20,17 +20,26 @@ impl Classified for BadPoint {
     }
 }
 
+impl BadPoint {
+    /// Checks that the coordinates of all points are finite.
+    ///
+    /// # Errors
+    /// [`BadPoint`] for the first point that is not.
+    pub fn check(points: impl IntoIterator<Item = Vec3>) -> Result<(), BadPoint> {
+        match points.into_iter().enumerate().find(|(_, at)| !at.is_finite()) {
+            Some((point, at)) => Err(BadPoint { point, at }),
+            None => Ok(()),
+        }
+    }
+}
+
 impl Program {
     /// Checks that the coordinates of all points, given as columns, are finite, as [`Program::check_rays`] does for rays.
     ///
     /// # Errors
     /// [`BadPoint`] for the first point that is not.
     pub fn check_points(&self, [x, y, z]: [&[f64]; 3]) -> Result<(), BadPoint> {
-        let points = x.iter().zip(y).zip(z).map(|((&x, &y), &z)| Vec3::new(x, y, z));
-        match points.enumerate().find(|(_, at)| !at.is_finite()) {
-            Some((point, at)) => Err(BadPoint { point, at }),
-            None => Ok(()),
-        }
+        BadPoint::check(x.iter().zip(y).zip(z).map(|((&x, &y), &z)| Vec3::new(x, y, z)))
     }
 }
 

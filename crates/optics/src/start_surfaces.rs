@@ -246,7 +246,7 @@ impl StartSurfaces {
     #[must_use]
     pub fn alone_lengths(&self) -> f64 {
         // the margin in `append_others`, with room for rounding
-        self.neighbours.slack / (1e3 * delta_of(1.0)) * (1.0 - 1e-9)
+        self.neighbours.slack / reach(1.0) * (1.0 - 1e-9)
     }
 
     /// The surfaces with their boxes; `None` if some belong to placed solids.
@@ -451,7 +451,8 @@ impl StartSurfaces {
         starts: &mut Vec<Start>,
     ) {
         let point = ray.at(t);
-        let (lengths, margin) = (lengths(ray, t), reach(ray, t));
+        let lengths = lengths(ray, t);
+        let margin = reach(lengths);
         let own = starts.get(first).copied();
         if margin <= self.neighbours.slack && own.is_some_and(|own| self.is_alone(&own, point)) {
             return;
@@ -530,9 +531,10 @@ fn lengths(ray: &Ray, t: f64) -> f64 {
 }
 
 /// A margin far above every tolerance: a surface whose box, grown by it, does not contain a point of a ray is out of reach there.
+/// `lengths` is an upper bound of the lengths to the point.
 #[inline]
-fn reach(ray: &Ray, t: f64) -> f64 {
-    1e3 * delta_of(lengths(ray, t))
+fn reach(lengths: f64) -> f64 {
+    1e3 * delta_of(lengths)
 }
 
 /// True if the surface is certainly out of reach of a point that is known up to rounding: a conservative form of the test in

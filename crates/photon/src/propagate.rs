@@ -707,7 +707,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     ) {
         let detector = self.detector;
         let ray = self.flights[self.chunk.start + i].photon.ray();
-        let crossing = &match detector.depends_on_copies(crossing) {
+        let crossing = &match detector.boundaries.depends_on_copies(crossing) {
             true => detector.with_own_faces(&ray, crossing),
             false => *crossing,
         };
@@ -761,8 +761,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.keep(i);
     }
 
-    /// The boundary process of photon `i`, whose random numbers have a request: the event, the direction and the polarisation after it, and true if the photon continues
-    /// behind the boundary.
+    /// The boundary process of photon `i`, whose random numbers have a request: the event, the direction and the polarisation after
+    /// it, and true if the photon continues behind the boundary.
     fn scatter(
         &self,
         i: usize,

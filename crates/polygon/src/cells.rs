@@ -357,56 +357,28 @@ fn clipped([a, b]: [Point; 2], lo: Point, hi: Point) -> [Point; 2] {
     [from, to].map(|t| [0, 1].map(|k| (a[k] + t * (b[k] - a[k])).clamp(lo[k], hi[k])))
 }
 
-/// The sign of the orientation of two points and a third one moved by (e, e^2).
-fn side([a, b]: [Point; 2], p: Point) -> i8 {
-    match (orientation(a, b, p), a[1] != b[1]) {
-        // moving along x matters most, unless the line is horizontal
-        (0, true) => {
-            if b[1] > a[1] {
-                -1
-            } else {
-                1
-            }
-        }
-        (0, false) => {
-            if b[0] > a[0] {
-                1
-            } else {
-                -1
-            }
-        }
-        (sign, _) => sign,
+/// The sign of the orientation of two points and a third one that is moved by way * (e, e^2), with a way of 1 or -1.
+fn side([a, b]: [Point; 2], p: Point, way: i8) -> i8 {
+    // moving along x matters most, unless the line is horizontal
+    let is_up = if a[1] == b[1] { a[0] >= b[0] } else { b[1] > a[1] };
+    match orientation(a, b, p) {
+        0 if is_up => -way,
+        0 => way,
+        sign => sign,
     }
 }
 
 fn is_left_of(edge: [Point; 2], p: Point) -> bool {
-    side(edge, p) > 0
+    side(edge, p, 1) > 0
 }
 
 /// True if the way between two points, both moved by (e, e^2), crosses an edge.
 fn is_crossed(edge: [Point; 2], p: Point, q: Point) -> bool {
-    if p == q || side(edge, p) == side(edge, q) {
+    if p == q || side(edge, p, 1) == side(edge, q, 1) {
         return false;
     }
     // a corner relative to the moved way is a corner moved the other way relative to the way
-    let corner_side = |corner: Point| match (orientation(p, q, corner), p[1] != q[1]) {
-        (0, true) => {
-            if q[1] > p[1] {
-                1
-            } else {
-                -1
-            }
-        }
-        (0, false) => {
-            if q[0] > p[0] {
-                -1
-            } else {
-                1
-            }
-        }
-        (sign, _) => sign,
-    };
-    corner_side(edge[0]) != corner_side(edge[1])
+    side([p, q], edge[0], -1) != side([p, q], edge[1], -1)
 }
 
 #[cfg(test)]

@@ -140,7 +140,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         if matches!(own.node(), Node::Named(name, _) if is_outline_part(name)) {
             return Ok(());
         }
-        if self.is_full() || !self.probe.affords(|probe| &mut probe.in_operands, rays_of(2 * FEW), leaves) {
+        if self.is_full() || !self.probe.in_operands.affords(rays_of(2 * FEW), leaves) {
             return self.leave_out(1);
         }
         self.probe.scope.operands += 1;

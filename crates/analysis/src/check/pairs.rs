@@ -32,7 +32,7 @@ pub fn overlaps<E: Evaluator>(
     for ((a, b), common) in common(subject, &parts, probe)? {
         let leaves = [a, b].map(|region| leaves_of(&subject.regions[region].solid));
         let leaves = leaves[0].saturating_add(leaves[1]);
-        if a != b && !probe.affords(|probe| &mut probe.in_findings, 2 * rays_of(2 * FEW), leaves) {
+        if a != b && !probe.in_findings.affords(2 * rays_of(2 * FEW), leaves) {
             probe.scope.left_out += 1;
             continue;
         }
@@ -64,7 +64,7 @@ fn common<E: Evaluator>(
     let mut sizes: HashMap<usize, u64> = HashMap::new();
     met.pairs.retain(|&(k, j, _)| {
         let leaves = [k, j].map(|part| *sizes.entry(part).or_insert_with(|| leaves_of(&parts[part].solid)));
-        probe.affords(|probe| &mut probe.in_pairs, rays_of(FEW), leaves[0].saturating_add(leaves[1]))
+        probe.in_pairs.affords(rays_of(FEW), leaves[0].saturating_add(leaves[1]))
     });
     count(subject, parts, &met, probe);
     let mut found: BTreeMap<(usize, usize), Common> = BTreeMap::new();
@@ -139,7 +139,7 @@ fn overlap<E: Evaluator>(
     };
     let leaves = common.solids.iter().map(leaves_of).fold(0, u64::saturating_add);
     let is_complete = common.solids.len() == common.count;
-    let volume = match is_complete && probe.affords(|probe| &mut probe.in_findings, VOLUME_RAYS, leaves) {
+    let volume = match is_complete && probe.in_findings.affords(VOLUME_RAYS, leaves) {
         true => probe.volume(&Solid::union(common.solids.iter().cloned()))?,
         false => None,
     };

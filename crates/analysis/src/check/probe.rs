@@ -29,9 +29,25 @@ pub const VOLUME_RAYS: u64 = 1 << 16;
 /// The most leaves of a solid that are counted.
 const MAX_LEAVES: u64 = 1 << 32;
 
-/// Work of a kind of search, counted before the search, so that it does not depend on which searches run here.
-#[derive(Default)]
-pub struct Spent(u64);
+/// What is left of the work of a kind of search. It is counted before each search, so that it does not depend on which searches run
+/// here.
+pub struct Budget {
+    left: u64,
+}
+
+impl Budget {
+    fn new(settings: &CheckSettings) -> Budget {
+        let of_pairs = WORK_PER_PAIR.saturating_mul(settings.most_pairs as u64);
+        Budget { left: of_pairs.saturating_add(MIN_WORK) }
+    }
+
+    /// True if there is enough left for this many rays through solids with this many leaves, which then counts as done.
+    pub fn affords(&mut self, rays: u64, leaves: u64) -> bool {
+        let left = self.left.checked_sub(rays.saturating_mul(leaves.saturating_add(2)));
+        self.left = left.unwrap_or(self.left);
+        left.is_some()
+    }
+}
 
 /// Traces rays for the checks, and counts them.
 pub struct Probe<'a, E> {
@@ -49,9 +65,9 @@ pub struct Probe<'a, E> {
     /// The stream of random numbers of the independent search that runs, if one does.
     stream: Option<u64>,
     /// The work of the searches in pairs, of those in operands, and of those that examine what they found.
-    pub in_pairs: Spent,
-    pub in_operands: Spent,
-    pub in_findings: Spent,
+    pub in_pairs: Budget,
+    pub in_operands: Budget,
+    pub in_findings: Budget,
 }
 
 /// The number of random streams before those of independent searches: other searches are counted from 1.
@@ -83,23 +99,10 @@ impl<'a, E: Evaluator> Probe<'a, E> {
             work,
             next_search: 0,
             stream,
-            in_pairs: Spent::default(),
-            in_operands: Spent::default(),
-            in_findings: Spent::default(),
+            in_pairs: Budget::new(settings),
+            in_operands: Budget::new(settings),
+            in_findings: Budget::new(settings),
         }
-    }
-
-    /// True if there is enough left of the work of a kind for this many rays through solids with this many leaves, which then counts
-    /// as done.
-    pub fn affords(&mut self, kind: impl Fn(&mut Self) -> &mut Spent, rays: u64, leaves: u64) -> bool {
-        let most = WORK_PER_PAIR.saturating_mul(self.settings.most_pairs as u64).saturating_add(MIN_WORK);
-        let spent = kind(self);
-        let sum = spent.0.saturating_add(rays.saturating_mul(leaves.saturating_add(2)));
-        let is_enough = sum <= most;
-        if is_enough {
-            spent.0 = sum;
-        }
-        is_enough
     }
 
     /// Runs an independent search, which calls [`survey`](Self::survey) at most once, or takes its result from elsewhere. Its random

@@ -44,8 +44,8 @@ use candidates::Witness;
 use field::Field;
 use rayweave_error::Message;
 use rayweave_math::Vec3;
-use rayweave_model::Program;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
+use rayweave_model::{BadPoint, Program};
 use search::Search;
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
@@ -160,12 +160,9 @@ impl DistanceField {
     /// Bounds of the distances of many points, in their order.
     ///
     /// # Errors
-    /// [`AnalysisError::Value`] for a point whose coordinates are not finite, and [`AnalysisError::Cancelled`].
+    /// [`AnalysisError::Point`] for a point whose coordinates are not finite, and [`AnalysisError::Cancelled`].
     pub fn distances(&self, points: &[Vec3], run: &DistanceRun) -> Result<Vec<Distance>, AnalysisError> {
-        if let Some((index, point)) = points.iter().enumerate().find(|(_, point)| !point.is_finite()) {
-            let message = Message::new(format!("point {index} is {point}"), "its coordinates must be finite");
-            return Err(AnalysisError::Value(message));
-        }
+        BadPoint::check(points.iter().copied())?;
         let tasks = (0..points.len())
             .step_by(POINTS_PER_TASK)
             .map(|first| first..points.len().min(first + POINTS_PER_TASK));

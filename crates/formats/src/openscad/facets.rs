@@ -32,12 +32,17 @@ impl Fineness {
         }
     }
 
+    /// The number of fragments that `$fn` states, if it does.
+    pub fn stated(&self) -> Option<f64> {
+        (self.count > 0.0).then(|| self.count.max(3.0).floor())
+    }
+
     /// Number of fragments of a full circle.
     pub fn fragments(&self, radius: f64) -> usize {
-        let fragments = match () {
-            () if radius < GRID_FINE => 3.0,
-            () if self.count > 0.0 => self.count.max(3.0).floor(),
-            () => (360.0 / self.angle).min(radius * TAU / self.size).max(5.0).ceil(),
+        let fragments = match self.stated() {
+            _ if radius < GRID_FINE => 3.0,
+            Some(count) => count,
+            None => (360.0 / self.angle).min(radius * TAU / self.size).max(5.0).ceil(),
         };
         fragments.min(MAX_FRAGMENTS) as usize
     }

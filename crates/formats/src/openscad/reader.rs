@@ -6,6 +6,7 @@ use super::boolean::{join, join_solids, whole};
 use super::drawing::TOLERANCE;
 use super::extent::Way;
 use super::extrude::extruded;
+use super::facets::Fineness;
 use super::flat::{self, Flat, Leaf};
 use super::fold::{Start, is_union, turned_region};
 use super::hull::Generator;
@@ -25,8 +26,8 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 use rayweave_scene::{Colour, Diagnostic, Diagnostics, Medium, Scene, SceneRegion, Severity, Unit};
 
-/// With fewer sides, people mean a polygon (a nut, a pyramid); with more, a coarse circle.
-const FEWEST_SIDES_OF_ROUND: f64 = 9.0;
+/// With up to this number of sides, people mean a polygon (a nut, a pyramid); with more, a coarse circle.
+const MOST_SIDES_OF_PRISM: f64 = 8.0;
 
 impl<'a> Reader<'a> {
     /// The scene of all items, with one region per colour.
@@ -97,15 +98,13 @@ impl<'a> Reader<'a> {
     fn rounded(&self, number: usize, node: &Node) -> Option<Diagnostic> {
         let is_round = matches!(node.name.as_str(), "sphere" | "cylinder" | "circle" | "rotate_extrude");
         let arguments = self.arguments(number);
-        let count = arguments.number("$fn", 0.0).ok()?;
-        let is_coarse = (1.0..FEWEST_SIDES_OF_ROUND).contains(&count);
+        let sides = Fineness::of(&arguments).ok()?.stated().filter(|&sides| sides <= MOST_SIDES_OF_PRISM)?;
         let why = || {
-            let sides = count.max(3.0).floor();
             let advice = "--facets keeps the sides of all shapes, in Python facets=True";
             arguments
                 .approximation(&format!("has {sides} sides in OpenSCAD ($fn) and is read as round; {advice}"))
         };
-        (is_round && is_coarse && !self.options.facets).then(why)
+        (is_round && !self.options.facets).then(why)
     }
 
     fn part(&mut self, number: usize) -> Part {

@@ -157,10 +157,8 @@ impl SurfaceTable {
     /// and then that of its mother; otherwise the skin of the volume in front, then of the one behind.
     pub fn find(&self, program: &Program, crossing: &Crossing) -> Option<usize> {
         let (before, after) = (crossing.before.0, crossing.after.0);
-        if let Some(Pair::Same(surface)) =
-            self.table.get(crossing.before.index() * self.regions + crossing.after.index())
-        {
-            return *surface;
+        if let Some(Pair::Same(surface)) = self.pair([before, after]) {
+            return surface;
         }
         let borders = self.borders.get(&(before, after));
         if let Some(border) = borders.into_iter().flatten().find(|border| border.is_at(program, crossing)) {
@@ -171,10 +169,10 @@ impl SurfaceTable {
 
     /// True if the surface at a crossing depends on the copies of the volumes.
     pub fn depends_on_copies(&self, crossing: &Crossing) -> bool {
-        let (before, after) = (crossing.before, crossing.after);
-        match self.table.get(before.index() * self.regions + after.index()) {
+        let regions = [crossing.before.0, crossing.after.0];
+        match self.pair(regions) {
             Some(pair) => matches!(pair, Pair::Placed),
-            None => self.borders.contains_key(&(before.0, after.0)),
+            None => self.borders.contains_key(&regions.into()),
         }
     }
 
@@ -184,11 +182,18 @@ impl SurfaceTable {
     }
 
     /// The surface between two tabulated regions, if it is the same at every crossing.
-    pub fn between(&self, before: usize, after: usize) -> Option<Option<usize>> {
-        match self.table[before * self.regions + after] {
+    pub fn between(&self, regions: [u32; 2]) -> Option<Option<usize>> {
+        match self.pair(regions)? {
             Pair::Same(surface) => Some(surface),
             Pair::Placed => None,
         }
+    }
+
+    /// The entry of two regions; `None` if they are not tabulated.
+    fn pair(&self, [before, after]: [u32; 2]) -> Option<Pair> {
+        // a region beyond the table has no surface, but its place may be that of a pair in the next row
+        let is_tabulated = (after as usize) < self.regions;
+        is_tabulated.then(|| self.table.get(before as usize * self.regions + after as usize).copied())?
     }
 
     /// The number of the skin surface between two regions.

@@ -28,15 +28,17 @@ impl Meetings {
     pub fn new(boundaries: &SurfaceTable, surfaces: &[OpticalSurface], material_of: &[u32]) -> Meetings {
         let rules: Vec<Option<Reflection>> = surfaces.iter().map(Reflection::of).collect();
         let regions = boundaries.tabulated();
-        let meeting = |before: usize, after: usize| match boundaries.between(before, after) {
-            Some(None) if material_of.get(before) != material_of.get(after) => Meeting::Bare,
+        let material = |region: u32| material_of.get(region as usize);
+        let meeting = |before: u32, after: u32| match boundaries.between([before, after]) {
+            Some(None) if material(before) != material(after) => Meeting::Bare,
             Some(Some(surface)) => match rules[surface] {
                 Some(rule) => Meeting::Painted(surface as u32, rule),
                 None => Meeting::Other,
             },
             _ => Meeting::Other,
         };
-        let table = (0..regions).flat_map(|before| (0..regions).map(move |after| (before, after)));
+        let all = 0..regions as u32;
+        let table = all.clone().flat_map(|before| all.clone().map(move |after| (before, after)));
         Meetings { regions, table: table.map(|(before, after)| meeting(before, after)).collect() }
     }
 

@@ -196,13 +196,8 @@ impl Detector {
         material.index.as_ref().map(|_| material.name.clone())
     }
 
-    /// True if the optical surface between the regions in front of a crossing and behind it depends on their copies.
-    pub(crate) fn depends_on_copies(&self, crossing: &Crossing) -> bool {
-        self.boundaries.depends_on_copies(crossing)
-    }
-
-    /// The optical surface at a crossing, if there is one. If it [depends on copies](Detector::depends_on_copies), the crossing must have
-    /// [own faces](Detector::with_own_faces).
+    /// The optical surface at a crossing, if there is one. If it [depends on copies](SurfaceTable::depends_on_copies), the crossing must
+    /// have [own faces](Detector::with_own_faces).
     pub(crate) fn surface(&self, crossing: &Crossing) -> Option<&OpticalSurface> {
         self.boundaries.find(&self.program, crossing).map(|number| &self.surfaces[number])
     }

@@ -24,6 +24,11 @@ fn layers(rng: &mut Random, frame: &Affine) -> Vec<Region> {
     let world = cube(Vec3::splat(30.0));
     let ball = copies(sensor) | sphere(1.0).translate([-10.0, 0.0, 0.0]);
     let solids = [world, copies(cover), copies(inner), copies(core), ball];
+    regions(solids, frame)
+}
+
+/// Regions of these solids in a frame, each with a medium of its own.
+fn regions(solids: impl IntoIterator<Item = Solid>, frame: &Affine) -> Vec<Region> {
     let region = |(k, solid): (u32, Solid)| Region {
         name: format!("layer {k}"),
         solid: solid.apply(*frame),
@@ -71,12 +76,7 @@ fn tank(rng: &mut Random, frame: &Affine) -> Vec<Region> {
     let post = cube(Vec3::new(0.1, 25.0, 0.1)).translate([-3.0, 0.0, 0.0]);
     let [balls, cores] = [1.0, 1.0 - shell].map(|half| part(half).place(maps.clone()));
     let solids = [cube(Vec3::splat(40.0)), tank, balls, cores, post];
-    let region = |(k, solid): (u32, Solid)| Region {
-        name: format!("layer {k}"),
-        solid: solid.apply(*frame),
-        medium: k + 1,
-    };
-    (0..).zip(solids).map(region).collect()
+    regions(solids, frame)
 }
 
 /// Rays that start between many solids, and are scattered from face to face.
@@ -122,12 +122,7 @@ fn turned_solids(rng: &mut Random, frame: &Affine) -> Vec<Region> {
     let wall = rng.pick(&[20.0, 3.0 * pitch]);
     let tank = cube(Vec3::splat(wall)).translate([pitch * 1.5; 3]);
     let solids = [cube(Vec3::splat(40.0)), tank, outer.place(maps.clone()), core.place(maps)];
-    let region = |(k, solid): (u32, Solid)| Region {
-        name: format!("layer {k}"),
-        solid: solid.apply(*frame),
-        medium: k + 1,
-    };
-    (0..).zip(solids).map(region).collect()
+    regions(solids, frame)
 }
 
 #[test]
@@ -156,8 +151,7 @@ fn a_start_on_the_plane_of_another_copy() {
     let copies = cube(half).place([Affine::IDENTITY, Affine::translate(Vec3::new(0.5, 1.0, 0.0))]);
     let target = cube(Vec3::splat(0.1)).translate([0.2, 1.2, 0.0]);
     let solids = [cube(Vec3::splat(9.0)), copies, target];
-    let region = |(k, solid): (u32, Solid)| Region { name: format!("layer {k}"), solid, medium: k + 1 };
-    let regions: Vec<Region> = (0..).zip(solids).map(region).collect();
+    let regions = regions(solids, &Affine::IDENTITY);
     let ray = Ray::new(Vec3::new(0.5, 1.2, 0.0), -Vec3::X);
     let setting = Setting::new(regions, vec![ray; 8], "two copies".to_owned()).unwrap();
     let program = setting.program();

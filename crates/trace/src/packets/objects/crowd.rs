@@ -9,7 +9,7 @@ use super::super::Firsts;
 use super::super::group::{BundleEvaluation, Row};
 use super::super::places::slabs;
 use super::cells::NONE;
-use super::within::{Departures, Eight, FirstStarts, Passage, Passages, Starts, Walk, number};
+use super::within::{Departures, Eight, FirstStarts, Passage, Passages, Starts, Walk, number, solids_in};
 use super::{First, Objects, lanes_of};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -185,14 +185,10 @@ impl Lane8 {
         self.near = self.near & !closer.to_bitmask() | (near & closer).to_bitmask();
         let second = closer.select(first.min(passage.second), second.min(passage.first));
         let first = closer.select(passage.first, first);
-        let mut object = Row([0.0; LANES]);
-        for lane in 0..LANES {
-            object.0[lane] = f64::from(items[lane]);
-        }
         first.store_array(&mut self.first.0);
         second.store_array(&mut self.second.0);
         closer.select(passage.face, row(simd, &self.face)).store_array(&mut self.face.0);
-        closer.select(row(simd, &object), row(simd, &self.object)).store_array(&mut self.object.0);
+        closer.select(row(simd, &solids_in(items)), row(simd, &self.object)).store_array(&mut self.object.0);
         closer.select(region, row(simd, &self.after)).store_array(&mut self.after.0);
         (first + behind).store_array(&mut self.until.0);
     }

@@ -204,6 +204,16 @@ pub(super) fn number(entry: u64) -> usize {
     (entry & u64::from(u32::MAX)) as usize
 }
 
+/// The numbers of eight solids as numbers in lanes.
+#[inline(always)]
+pub(super) fn solids_in(items: &[u32; LANES]) -> Row {
+    let mut row = Row([0.0; LANES]);
+    for lane in 0..LANES {
+        row.0[lane] = f64::from(items[lane]);
+    }
+    row
+}
+
 impl<'n, S: Simd> Eight<'n, S> {
     #[inline(always)]
     pub fn new(simd: S, rays: &Rays<'_>, query: &Query<'_>, numbers: &'n [u64]) -> Self {
@@ -651,11 +661,7 @@ impl Objects {
         let Passages { passage, region, single, .. } =
             self.pass_each(group, items, some, rays, splat(simd, 0.0));
         progress.uncertain |= passage.uncertain & rays.queried;
-        let mut object = Row([0.0; LANES]);
-        for lane in 0..LANES {
-            object.0[lane] = f64::from(items[lane]);
-        }
-        let object = Lanes::load_array_ref(simd, &object.0);
+        let object = Lanes::load_array_ref(simd, &solids_in(items).0);
         progress.meet(simd, (object, region), &passage, rays.queried, Some(single))
     }
 
