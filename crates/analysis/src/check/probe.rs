@@ -29,7 +29,7 @@ pub const VOLUME_RAYS: u64 = 1 << 16;
 /// The most leaves of a solid that are counted.
 const MAX_LEAVES: u64 = 1 << 32;
 
-/// What is left of the work of a kind of search. It is counted before each search, so that it does not depend on which searches run
+/// The work still allowed to a kind of search. It is counted before each search, so that it does not depend on which searches run
 /// here.
 pub struct Budget {
     left: u64,

@@ -101,7 +101,7 @@ pub fn compare(
     Ok(comparison)
 }
 
-/// What is compared of a sample: its detected photons, or flags for its processes, or all of it.
+/// The compared part of a sample: its detected photons, or flags for its processes, or all of it.
 fn reduced(sample: &PhotonSample, is_hits: bool, flags: bool) -> Cow<'_, PhotonSample> {
     let is_known = sample.is_hits || sample.alphabet.is_some();
     match is_hits && is_known {
