@@ -11,12 +11,14 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import rayweave
 import rayweave.photons as rp
 from rayweave import RayweaveError, cluster, optics
 
@@ -145,6 +147,69 @@ def test_concurrent_futures():
     np.testing.assert_array_equal(numbers, np.arange(1000) ** 2)
 
 
+def slicings(job, rng, times, run):
+    """Runs a job in random slices and compares it with one run each time; `run` takes a number of pieces and the results that are
+    known already, which are random ranges."""
+    whole = whole_of(job)
+    for _ in range(times):
+        cuts = sorted(rng.choice(job.total, 4, replace=False).tolist())
+        done = {span: job.part(*span) for span in zip(cuts[::2], cuts[1::2])}
+        found = run(int(rng.integers(1, 9)), done)
+        assert same(dict(whole.hits), found.hits) and found.sensor_paths == whole.hits.sensor_paths, cuts
+        assert (found.photons, found.steps) == (whole.photons, whole.steps), cuts
+
+
+def test_random_slicings(rng):
+    job = photon_job(1000)
+    with processes() as executor:
+        slicings(job, rng, 50, lambda pieces, done: cluster.futures.run(job, executor, pieces=pieces, done=done))
+
+
+@pytest.fixture
+def marks(tmp_path_factory):
+    return tmp_path_factory.mktemp("marks")
+
+
+def slow(marks, first, last):
+    """Numbers; the first process that computes the middle waits for long."""
+    if first <= 50 < last and not list(Path(marks).iterdir()):
+        Path(marks, "slow").touch()
+        time.sleep(600)
+    return np.arange(first, last)
+
+
+def kill(executor):
+    """Ends an executor with its running parts, which it would wait for."""
+    children = list(executor._processes.values())
+    executor.shutdown(wait=False, cancel_futures=True)
+    for child in children:
+        child.kill()
+
+
+def test_a_slow_worker_leaves_its_range(tmp_path):
+    job = cluster.Call(slow, str(tmp_path), total=100)
+    executor = processes()
+    try:
+        # both processes have started, so that the limit counts the work only
+        cluster.futures.run(cluster.Call(squares, total=100), executor, pieces=4)
+        with pytest.raises(cluster.Incomplete, match="are missing: they were not finished within the timeout") as caught:
+            cluster.futures.run(job, executor, pieces=10, timeout=10)
+    finally:
+        kill(executor)
+    assert caught.value.missing == [(50, 60)]
+    with processes(1) as executor:
+        np.testing.assert_array_equal(cluster.futures.run(job, executor, done=caught.value.done), np.arange(100))
+
+
+def late(first, last):
+    raise TimeoutError("of the function itself")
+
+
+def test_a_timeout_of_the_function_is_its_error():
+    with processes(1) as executor, pytest.raises(TimeoutError, match="of the function itself"):
+        cluster.futures.run(cluster.Call(late, total=10), executor, timeout=600)
+
+
 def mortal(marks, deaths, first, last):
     """Numbers; the process kills itself the first times that it computes the middle."""
     if first <= 50 < last and len(list(Path(marks).iterdir())) < deaths:
@@ -206,27 +271,71 @@ def test_errors_of_parts_pass_through():
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_dask(tmp_path):
+def test_dask(tmp_path, rng, marks):
     distributed = pytest.importorskip("distributed", reason="Dask is not installed")
-    job = photon_job()
+    job, short = photon_job(), photon_job(1000)
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as local:
         with distributed.Client(local) as client:
             found = cluster.dask.run(job, client, pieces=9)
             numbers = cluster.dask.run(cluster.Call(mortal, str(tmp_path), 2, total=100), client, pieces=10)
+            slicings(short, rng, 50, lambda pieces, done: cluster.dask.run(short, client, pieces=pieces, done=done))
+            with pytest.raises(cluster.Incomplete, match="not finished within the timeout"):
+                cluster.dask.run(cluster.Call(slow, str(marks), total=100), client, pieces=10, timeout=5)
     assert same(dict(whole_of(job).hits), found.hits)
     # killed twice; Dask has computed the parts again
     np.testing.assert_array_equal(numbers, np.arange(100))
     assert len(list(tmp_path.iterdir())) == 2
 
 
+def first_times(solid, origins, directions):
+    return solid.nearest(origins, directions, threads=1).t
+
+
+def counted(folder):
+    """A sphere; leaves a mark in each process that makes it."""
+    Path(folder, str(os.getpid())).touch()
+    return rayweave.sphere(1)
+
+
+class Marked:
+    """A thing whose unpickling leaves a mark."""
+
+    def __init__(self, folder):
+        self.folder = folder
+
+    def __reduce__(self):
+        return counted, (self.folder,)
+
+
 @pytest.mark.filterwarnings("ignore")
-def test_ray(tmp_path):
+def test_blocks_of_dask_arrays(tmp_path, rng):
+    array = pytest.importorskip("dask.array", reason="Dask is not installed")
+    distributed = pytest.importorskip("distributed", reason="Dask is not installed")
+    origins, directions = 3 * rng.normal(size=(10_000, 3)), rng.normal(size=(10_000, 3))
+    blocks = [array.from_array(rays, chunks=(700, 3)) for rays in (origins, directions)]
+    times = cluster.dask.map_blocks(first_times, Marked(str(tmp_path)), *blocks, drop_axis=1, dtype=float)
+    assert times.shape == (10_000,) and times.dtype == float
+    expected = rayweave.sphere(1).nearest(origins, directions).t
+    assert times.compute(scheduler="sync").tobytes() == expected.tobytes()
+    assert len(list(tmp_path.iterdir())) == 1
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as local:
+        with distributed.Client(local):
+            assert times.compute().tobytes() == expected.tobytes()
+    # one process here, and at most two workers, each once
+    assert 2 <= len(list(tmp_path.iterdir())) <= 3
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_ray(tmp_path, rng, marks):
     ray = pytest.importorskip("ray", reason="Ray is not installed")
-    job = photon_job()
+    job, short = photon_job(), photon_job(1000)
     ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False, runtime_env={"env_vars": {"PYTHONPATH": str(Path(__file__).parent)}})
     try:
         found = cluster.ray.run(job, pieces=9)
         numbers = cluster.ray.run(cluster.Call(mortal, str(tmp_path), 2, total=100), pieces=10)
+        slicings(short, rng, 50, lambda pieces, done: cluster.ray.run(short, pieces=pieces, done=done))
+        with pytest.raises(cluster.Incomplete, match="not finished within the timeout"):
+            cluster.ray.run(cluster.Call(slow, str(marks), total=100), pieces=10, timeout=5)
     finally:
         ray.shutdown()
     assert same(dict(whole_of(job).hits), found.hits)

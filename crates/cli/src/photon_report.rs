@@ -2,6 +2,7 @@
 
 use crate::terminal;
 use rayweave::photon::{Detector, End, Histories, Hits, PhotonPart, PhotonRun, Process, sequence_text};
+use rayweave::table::Counts;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, HashMap};
 use std::time::Duration;
@@ -158,6 +159,27 @@ impl PhotonReport {
             ));
         }
         remarks
+    }
+
+    /// The numbers of the report that add up over the parts of a run.
+    pub fn counts(&self) -> Counts {
+        let ends = End::ALL.iter().map(|end| {
+            let count = *self.run.ends.get(end).unwrap_or(&0);
+            (end.name(), Counts::Number(count))
+        });
+        let sensors = self.sensors.iter().map(|(path, count)| (path.as_str(), Counts::Number(*count)));
+        let mut counts = vec![
+            ("photons", Counts::Number(self.run.photons)),
+            ("hits", Counts::Number(self.hits)),
+            ("steps", Counts::Number(self.run.steps)),
+            ("ends", Counts::group(ends)),
+            ("sensors", Counts::group(sensors)),
+        ];
+        if let Some(own) = &self.counts {
+            let processes = own.processes.iter().map(|(process, n)| (process.name(), Counts::Number(*n)));
+            counts.push(("processes", Counts::group(processes)));
+        }
+        Counts::group(counts)
     }
 
     pub fn as_json(&self) -> Value {

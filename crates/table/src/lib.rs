@@ -51,7 +51,7 @@ pub use content_hash::ContentHash;
 pub use error::{RayProblem, RayProblems, TableError};
 pub use npy_array::{NpyArray, NpyArrayError, read_npy_words};
 pub use opened::{FileStamp, record_opened};
-pub use part::{Part, PartSet, missing_ranges};
+pub use part::{Counts, Part, PartSet, missing_ranges};
 pub use rays::{LIGHT_COLUMNS, Progress, RAY_COLUMNS, RAYS_PER_CHUNK, RayChunk, RayReader};
 pub use read::{TableReader, TableRow};
 pub use schema::{Column, DType, NO_NAME, Schema};

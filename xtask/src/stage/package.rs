@@ -24,6 +24,7 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
         "pyarrow",
         "polars",
         "xarray",
+        "distributed",
     ])?;
     let outcomes = [
         tests(workshop, counts),

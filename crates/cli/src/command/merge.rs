@@ -9,7 +9,8 @@ use clap::Args;
 use rayweave::check::CheckShare;
 use rayweave::measure::MeasureShare;
 use rayweave::render::png;
-use rayweave::table::PartSet;
+use rayweave::table::{Counts, PartSet};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 const AFTER_HELP: &str = "\
@@ -17,6 +18,7 @@ Examples:
   rayweave photons detector.gdml --at 0,0,0 --wavelength 420 -n 1000000 --range 0:500000 -o part0.npy
   rayweave photons detector.gdml --at 0,0,0 --wavelength 420 -n 1000000 --range 500000:1000000 -o part1.npy
   rayweave merge part0.npy part1.npy -o hits.npy
+  rayweave merge part*.npy -o hits.npy --json
   rayweave merge --missing 1000000 part*.npy";
 
 /// Join parts of a result, which were computed with --range, to the whole
@@ -39,6 +41,11 @@ pub struct Merge {
     /// missing
     #[arg(long, value_name = "TOTAL", conflicts_with = "out", value_parser = crate::arguments::any_count::<u64>)]
     missing: Option<u64>,
+
+    /// Print the counts of the whole as JSON: parts, and for photons also photons, hits, steps, ends, sensors, and processes if all
+    /// parts were computed with --counts
+    #[arg(long, conflicts_with = "missing")]
+    json: bool,
 }
 
 impl Merge {
@@ -54,11 +61,22 @@ impl Merge {
             Some("check") => join(&set, out)?,
             _ => set.merge_tables(out)?,
         }
+        let counts = set.counts();
+        if self.json {
+            let mut report = counts.map_or(json!({}), |counts| counts.to_json());
+            report["parts"] = set.parts().len().into();
+            return terminal::print(&format!("{report:#}\n"));
+        }
         if global.quiet {
             return Ok(());
         }
-        let parts = terminal::count(set.parts().len() as u64, "part");
-        terminal::print(&format!("{}: {parts}\n", out.display()))
+        let mut text = format!("{}: {}", out.display(), terminal::count(set.parts().len() as u64, "part"));
+        if let Some(Counts::Group(counts)) = counts {
+            for (name, number) in counts.iter().filter_map(|(name, counts)| Some((name, counts.number()?))) {
+                text += &format!(", {number} {name}");
+            }
+        }
+        terminal::print(&(text + "\n"))
     }
 
     fn print_missing(&self, total: u64, global: &GlobalArguments) -> Result<(), Failure> {

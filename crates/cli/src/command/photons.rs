@@ -19,7 +19,7 @@ use rayweave::photon::{
     check_start, history_schema, hit_schema, lint, simulate_parts, step_schema,
 };
 use rayweave::scene::{Document, Scene};
-use rayweave::table::{ContentHash, Part, TableError, TableWriter};
+use rayweave::table::{ContentHash, Counts, Part, TableError, TableWriter};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -480,19 +480,28 @@ impl Simulation {
         bar.finish_and_clear();
         done?;
         report.duration = begin.elapsed();
+        let counts = report.counts();
         for (table, path) in [(hits, &self.out), (steps, &self.steps), (ends, &self.histories)] {
             if let (Some(table), Some(path)) = (table, path) {
-                finish(table, path, parts)?;
+                finish(table, path, parts, &counts)?;
             }
         }
         Ok(report)
     }
 }
 
-/// Completes a table, as a part if it is one.
-fn finish(table: TableWriter, path: &Path, parts: &[(&Path, Part)]) -> Result<(), TableError> {
+/// Completes a table, as a part with these counts if it is one.
+fn finish(
+    table: TableWriter,
+    path: &Path,
+    parts: &[(&Path, Part)],
+    counts: &Counts,
+) -> Result<(), TableError> {
     match parts.iter().find(|(own, _)| *own == path) {
-        Some((_, part)) => table.finish_part(part).map(|_| ()),
+        Some((_, part)) => {
+            let part = part.clone().with_counts(counts.clone());
+            table.finish_part(&part).map(|_| ())
+        }
         None => table.finish().map(|_| ()),
     }
 }

@@ -5,6 +5,7 @@ use crate::bench::{Bench, RAYS};
 use crate::{optics, photons};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
+use serde_json::Value;
 
 /// Rays along x at heights y from -1.5 to 1.5.
 fn fan(count: usize) -> String {
@@ -87,6 +88,28 @@ fn tables_of_photons() {
     let bench = photons::bench();
     let tables = [("-o", "hits.npy"), ("--steps", "steps.npy"), ("--histories", "histories.csv")];
     slicings(&bench, &photons::run(&["--seed", "3"]), &tables, (2000, 1), 4);
+}
+
+/// The counts of parts add up to the summary of the whole; those of processes only if all parts have them.
+#[test]
+fn counts_of_photons() {
+    let bench = photons::bench();
+    let run = |more: &[&str]| bench.says(&photons::run(&[&["--seed", "3"], more].concat()));
+    let whole: Value = serde_json::from_str(&run(&["--json", "--counts"])).expect("a summary");
+    for (range, out) in [("0:700", "a.csv"), ("700:900", "b.csv"), ("900:2000", "c.csv")] {
+        run(&["--range", range, "-o", out, "--counts", "-q"]);
+    }
+    let merge = |parts: &[&str]| bench.says(&[&["merge"], parts, &["-o", "all.csv", "--json"]].concat());
+    let merged: Value = serde_json::from_str(&merge(&["c.csv", "a.csv", "b.csv"])).expect("counts");
+    for name in ["photons", "hits", "steps", "ends", "sensors", "processes"] {
+        assert!(!whole[name].is_null() && merged[name] == whole[name], "{name}: {merged:#}");
+    }
+    assert_eq!(merged["parts"], 3);
+    run(&["--range", "700:900", "-o", "b.csv", "-q"]);
+    let text = bench.says(&["merge", "a.csv", "b.csv", "c.csv", "-o", "all.csv"]);
+    assert!(text.contains("all.csv: 3 parts") && text.contains("2000 photons"), "{text}");
+    let mixed: Value = serde_json::from_str(&merge(&["a.csv", "b.csv", "c.csv"])).expect("counts");
+    assert_eq!((&mixed["ends"], &mixed["processes"]), (&whole["ends"], &Value::Null));
 }
 
 /// Rays are cut at multiples of 2048; the numbers of parents count the rows of the whole.

@@ -4,6 +4,7 @@
 //! its part of the result to a file `FILE` and then the description `FILE.part.json`. The description is written last: a part
 //! whose description exists is complete.
 
+mod counts;
 mod merge;
 mod npy;
 #[cfg(feature = "parquet")]
@@ -20,6 +21,7 @@ use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+pub use counts::Counts;
 pub use set::{PartSet, missing_ranges};
 
 /// The version of the format of descriptions.
@@ -39,6 +41,8 @@ pub struct Part {
     pub range: Range<u64>,
     /// The number of rays of the whole.
     pub total: u64,
+    /// Counts of this part that add up to those of the whole, if the query reports any.
+    counts: Option<Counts>,
     /// The columns of a table, without the names of their values; empty for other results.
     columns: Vec<PartColumn>,
 }
@@ -61,7 +65,7 @@ impl Part {
     ) -> Part {
         let version = ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
         let settings = settings.into_iter().chain([version]).collect();
-        Part { query: query.into(), settings, range, total, columns: Vec::new() }
+        Part { query: query.into(), settings, range, total, counts: None, columns: Vec::new() }
     }
 
     /// The part of a table with this schema.
@@ -74,6 +78,12 @@ impl Part {
         };
         self.columns = schema.columns().iter().map(column).collect();
         self
+    }
+
+    /// The part with these counts.
+    #[must_use]
+    pub fn with_counts(self, counts: Counts) -> Part {
+        Part { counts: Some(counts), ..self }
     }
 
     /// The path of the description of a file: `FILE.part.json`.
@@ -91,7 +101,7 @@ impl Part {
     pub fn describe(&self, file: &Path) -> Result<(), TableError> {
         let (bytes, content) = content(file, &self.columns)?;
         let columns = self.columns.iter().map(|column| json!([column.name, column.dtype, column.unit]));
-        let description = json!({
+        let mut description = json!({
             "part": VERSION,
             "query": self.query,
             "settings": self.settings,
@@ -101,6 +111,9 @@ impl Part {
             "bytes": bytes,
             "content": content,
         });
+        if let Some(counts) = &self.counts {
+            description["counts"] = counts.to_json();
+        }
         let path = Part::path(file);
         let mut out = AtomicFile::create(&path)?;
         let written = writeln!(out, "{description:#}");
@@ -162,9 +175,12 @@ impl Part {
         Ok(part)
     }
 
-    /// True if the file is complete and is this part; columns and total, which follow from the rest, are not compared.
+    /// True if the file is complete and is this part; columns, counts and total, which follow from the rest, are not compared.
     pub fn is_in(&self, file: &Path) -> bool {
-        let same = |found: Part| Part { columns: self.columns.clone(), total: self.total, ..found } == *self;
+        let same = |found: Part| {
+            let (columns, counts) = (self.columns.clone(), self.counts.clone());
+            Part { columns, counts, total: self.total, ..found } == *self
+        };
         Part::read(file).is_ok_and(same)
     }
 }
@@ -214,6 +230,10 @@ fn parse(value: &Value) -> Option<(Part, u64, String)> {
         settings: settings.collect::<Option<_>>()?,
         range: (range.start <= range.end && range.end <= total).then_some(range)?,
         total,
+        counts: match value.get("counts") {
+            Some(counts) => Some(Counts::from_json(counts)?),
+            None => None,
+        },
         columns: value["columns"].as_array()?.iter().map(column).collect::<Option<_>>()?,
     };
     Some((part, value["bytes"].as_u64()?, text(&value["content"])?))

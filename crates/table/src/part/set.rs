@@ -1,6 +1,6 @@
 //! The parts of one result.
 
-use super::Part;
+use super::{Counts, Part};
 use crate::TableError;
 use rayweave_error::Message;
 use std::ops::Range;
@@ -63,6 +63,19 @@ impl PartSet {
     /// The first part: all others have the same query, settings and total. `None` if there are no parts.
     pub fn first(&self) -> Option<&Part> {
         self.parts.first().map(|(_, part)| part)
+    }
+
+    /// The sums of the counts of all parts, of those names that all parts have; `None` if a part has no counts.
+    pub fn counts(&self) -> Option<Counts> {
+        let parts: Vec<&Counts> =
+            self.parts.iter().map(|(_, part)| part.counts.as_ref()).collect::<Option<_>>()?;
+        let (first, rest) = parts.split_first()?;
+        let mut sums = (*first).clone();
+        rest.iter().for_each(|counts| sums.add(counts));
+        if let Counts::Group(sums) = &mut sums {
+            sums.retain(|name, _| parts.iter().all(|counts| counts.get(name).is_some()));
+        }
+        Some(sums)
     }
 
     /// The ranges of `0..total` that no part covers.

@@ -218,10 +218,14 @@ def missing(total: int, done: Iterable[Range]) -> list[Range]:
     return found if reached >= total else [*found, (reached, total)]
 
 
-#: Jobs of this process by the hash of their bytes: a model is compiled once, whatever the number of its parts.
-_JOBS: OrderedDict[str, Job] = OrderedDict()
-_JOBS_KEPT = 4
+#: Jobs and models of this process by the hash of their bytes: a model is compiled once, whatever the number of its parts.
+_UNPACKED: OrderedDict[str, Any] = OrderedDict()
+_KEPT = 4
 _LOCK = threading.Lock()
+
+
+#: Why parts are missing that were not finished within `timeout`.
+LATE = "they were not finished within the timeout"
 
 
 class Packed:
@@ -234,20 +238,24 @@ class Packed:
     array([0, 1, 2])
     """
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Any) -> None:
         self.data = pickle.dumps(job, protocol=5)
         self.key = hashlib.sha256(self.data).hexdigest()
 
+    def unpacked(self) -> Any:
+        """The job, the same object in each call in a process."""
+        with _LOCK:
+            job = _UNPACKED.get(self.key)
+            if job is None:
+                job = _UNPACKED[self.key] = pickle.loads(self.read())
+            _UNPACKED.move_to_end(self.key)
+            while len(_UNPACKED) > _KEPT:
+                _UNPACKED.popitem(last=False)
+        return job
+
     def part(self, span: Range) -> Any:
         """The result of a range."""
-        with _LOCK:
-            job = _JOBS.get(self.key)
-            if job is None:
-                job = _JOBS[self.key] = pickle.loads(self.read())
-            _JOBS.move_to_end(self.key)
-            while len(_JOBS) > _JOBS_KEPT:
-                _JOBS.popitem(last=False)
-        return job.part(*span)
+        return self.unpacked().part(*span)
 
     def read(self) -> bytes:
         """The bytes of the job."""
@@ -283,9 +291,18 @@ def collected(
     reason: str = "workers died",
 ) -> str:
     """Adds the results of futures to `known`, in the order in which they finish. Returns why some are missing, by default `reason`. An
-    error that is not the death of a worker is raised; then, or after an interrupt, parts that have not started are cancelled."""
+    error that is not the death of a worker is raised. Then, after an interrupt, and when `finished` raises `TimeoutError`, parts that
+    have not started are cancelled."""
+    futures = iter(finished)
     try:
-        for future in finished:
+        while True:
+            try:
+                future = next(futures)
+            except StopIteration:
+                break
+            except TimeoutError:
+                reason = LATE
+                break
             failure = future.exception()
             if failure is None:
                 known[waiting[future]] = future.result()

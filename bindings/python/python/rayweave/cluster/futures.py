@@ -26,12 +26,19 @@ class _InFile(Packed):
 
 
 def run(
-    job: Job, executor: Executor, *, pieces: int | None = None, done: Mapping[Range, Any] | None = None, folder: str | None = None
+    job: Job,
+    executor: Executor,
+    *,
+    pieces: int | None = None,
+    done: Mapping[Range, Any] | None = None,
+    folder: str | None = None,
+    timeout: float | None = None,
 ) -> Any:
     """Runs a job in `pieces` ranges, by default four for each core of this machine, and returns the joined result.
 
-    `folder`, by default that for temporary files, must be visible to all processes; the job is written there once. If workers die,
-    the error is an `Incomplete` with the results so far.
+    `folder`, by default that for temporary files, must be visible to all processes; the job is written there once. If workers die, or
+    parts are not finished after `timeout` seconds, the error is an `Incomplete` with the results so far. Parts that have started run
+    on in the executor.
     """
     todo, known = planned(job, pieces or 4 * (os.cpu_count() or 1), done)
     reason = "workers died"
@@ -44,7 +51,7 @@ def run(
         except RuntimeError as error:
             # the executor is broken
             reason = f"a part could not be started ({error})"
-        reason = collected(waiting, as_completed(waiting), known, _is_dead, reason)
+        reason = collected(waiting, as_completed(waiting, timeout), known, _is_dead, reason)
     return joined(job, known, reason)
 
 
