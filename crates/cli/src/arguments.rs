@@ -269,14 +269,20 @@ pub fn range(text: &str) -> Result<Range<u64>, String> {
 /// A whole number, also as `1e5`.
 pub fn whole_number(text: &str) -> Result<u64, String> {
     let text = text.trim();
-    let in_full = || {
-        let value: f64 = text.parse().ok()?;
-        // whole numbers up to 2^53 are exact
-        (value.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&value)).then_some(value as u64)
-    };
-    let problem = || "it must be a whole number from 0, as 100000 or 1e5".to_owned();
-    text.parse().ok().or_else(in_full).ok_or_else(problem)
+    if let Ok(number) = text.parse() {
+        return Ok(number);
+    }
+    match text.parse::<f64>() {
+        Ok(value) if value > MOST_EXACT && value.is_finite() => {
+            Err(format!("it is too large: the limit is {} in full, or 9e15 with an exponent", u64::MAX))
+        }
+        Ok(value) if value.fract() == 0.0 && value >= 0.0 => Ok(value as u64),
+        _ => Err("it must be a whole number from 0, as 100000 or 1e5".to_owned()),
+    }
 }
+
+/// 2^53: floating-point numbers up to here are exact if they are whole.
+const MOST_EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// A whole number from `LOW` to `HIGH`, in any form of [`whole_number`].
 pub fn count<T: TryFrom<u64>, const LOW: u64, const HIGH: u64>(text: &str) -> Result<T, String> {

@@ -122,6 +122,10 @@ fn control_characters_and_numbers() {
     // every count can be written with an exponent
     let total = said(&["volume", "ball.toml", "--total", "1e12"]);
     assert!(total.contains("1000000000000 is not in 6..=68719476736"), "{total}");
+    for huge in ["1e99", "18446744073709551616"] {
+        let total = said(&["volume", "ball.toml", "--total", huge]);
+        assert!(total.contains("it is too large: the limit is 18446744073709551615 in full"), "{total}");
+    }
     let part = said(&["volume", "ball.toml", "--seed", "1.5"]);
     assert!(part.contains("it must be a whole number from 0, as 100000 or 1e5"), "{part}");
     let same = |arguments: [&[&str]; 2]| assert_eq!(bench.run(arguments[0]).out, bench.run(arguments[1]).out);
