@@ -1,6 +1,7 @@
 """Optical photons in detectors: closed forms, arrays, files, histories, errors."""
 
 import math
+import pickle
 import re
 import signal
 import subprocess
@@ -503,6 +504,45 @@ def test_spectra_and_pulses(bar):
     assert set(emissions(bar, rp.point([0, 0, 0], 550, time=4.0), 10)["time"]) == {4.0}
 
 
+#: The bar of the guide with two components of scintillation and a wavelength shifter.
+SCINTILLATING = BAR.replace(
+    "</define>",
+    """<matrix name="GREEN" coldim="2" values="2.1*eV 0 2.3*eV 1 2.5*eV 0"/><matrix name="BLUE" coldim="2" values="3*eV 1 3.2*eV 1"/>
+<matrix name="T1" coldim="1" values="40*ns"/><matrix name="T2" coldim="1" values="900*ns"/><matrix name="Y1" coldim="1" values="0.25"/>
+<matrix name="Y2" coldim="1" values="0.75"/></define>""",
+).replace(
+    '<property name="RINDEX" ref="INDEX"/>',
+    """<property name="RINDEX" ref="INDEX"/><property name="WLSABSLENGTH" ref="LENGTH"/><property name="WLSCOMPONENT" ref="GREEN"/>
+<property name="WLSTIMECONSTANT" ref="T1"/><property name="SCINTILLATIONCOMPONENT1" ref="BLUE"/>
+<property name="SCINTILLATIONTIMECONSTANT1" ref="T1"/><property name="SCINTILLATIONYIELD1" ref="Y1"/>
+<property name="SCINTILLATIONCOMPONENT2" ref="GREEN"/><property name="SCINTILLATIONTIMECONSTANT2" ref="T2"/>
+<property name="SCINTILLATIONYIELD2" ref="Y2"/>""",
+    1,
+)
+
+
+def test_scintillation_of_materials():
+    detector, n = rp.loads(SCINTILLATING), 20_000
+    crystal = detector.material("Crystal")
+    assert crystal.properties["WLSCOMPONENT"].energy_ev.tolist() == pytest.approx([2.1, 2.3, 2.5])
+    fast, slow = crystal.scintillation
+    assert (fast.time_ns, fast.rise_time_ns, fast.share, slow.time_ns, slow.share) == (40, 0, 0.25, 900, 0.75)
+    assert fast.spectrum.values.tolist() == [1, 1] and slow.spectrum.values.tolist() == [0, 1, 0]
+    source = rp.point([0, 0, 0], ("scintillation", crystal), time=10)
+    assert repr(source) == "<Source: point, scintillation of Crystal>"
+    found = emissions(detector, source, n)
+    blue = found["wavelength_nm"] < 450
+    assert abs(np.count_nonzero(blue) - 0.25 * n) < 5 * math.sqrt(n * 0.25 * 0.75)
+    for mean, times in ((40, found["time"][blue]), (900, found["time"][~blue])):
+        assert abs(times.mean() - 10 - mean) < 5 * mean / math.sqrt(len(times))
+    copy = pickle.loads(pickle.dumps(source))
+    np.testing.assert_array_equal(emissions(detector, copy, 100)["time"], found["time"][:100])
+    with pytest.raises(RayweaveError, match="the material `Opaque` has no scintillation light: it has no SCINTILLATIONCOMPONENT1"):
+        rp.point([0, 0, 0], ("scintillation", detector.material("Opaque")))
+    with pytest.raises(TypeError, match="scintillation needs a material"):
+        rp.point([0, 0, 0], ("scintillation", "Crystal"))
+
+
 def test_torches_are_those_of_the_command(bar, tmp_path):
     program = command()
     if program is None:
@@ -524,6 +564,13 @@ def test_torches_are_those_of_the_command(bar, tmp_path):
         detector.simulate(source, n=1000).hits.save(tmp_path / "p.csv")
         assert (tmp_path / "c.csv").read_text() == (tmp_path / "p.csv").read_text(), text
         assert len((tmp_path / "p.csv").read_text().splitlines()) > 20, text
+    (tmp_path / "bar.gdml").write_text(SCINTILLATING, encoding="utf-8")
+    detector = rp.load(tmp_path / "bar.gdml")
+    source = rp.volume(detector, "Bar", ("scintillation", detector.material("Crystal")))
+    arguments = ["photons", "bar.gdml", *"--source volume --volume Bar --scintillation Crystal -n 1000 -o c.csv".split()]
+    subprocess.run([program, *arguments], cwd=tmp_path, check=True, capture_output=True)
+    detector.simulate(source, n=1000).hits.save(tmp_path / "p.csv")
+    assert (tmp_path / "c.csv").read_text() == (tmp_path / "p.csv").read_text()
 
 
 def genstep(kind, photons):

@@ -34,6 +34,7 @@ mod propagate;
 pub mod property;
 mod sample;
 mod scatter;
+mod scintillation;
 mod settings;
 mod source;
 mod start;
@@ -63,6 +64,7 @@ pub use material::{
 pub use photon::Photon;
 pub use propagate::{PhotonPart, PhotonRun, simulate, simulate_parts};
 pub use sample::LinearDensity;
+pub use scintillation::ScintillationLight;
 pub use settings::{RunSettings, TimeProfile};
 pub use source::{Directions, Origin, Pulse, Source, SourceVolume, Torch, WavelengthDistribution};
 pub use start::{check_start, emit};

@@ -24,7 +24,7 @@ pub struct OpticalMaterial {
 }
 
 /// A component of scintillation, with its number k.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ScintillationComponent {
     /// The number, 1 to 3.
     pub number: u32,

@@ -175,6 +175,8 @@ pub fn group_velocity(index: &PropertyTable) -> PropertyTable {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
     energies: Vec<f64>,
+    /// The values of the table.
+    values: Vec<f64>,
     /// The integral from the first energy to each energy.
     cumulative: Vec<f64>,
 }
@@ -197,9 +199,24 @@ impl Spectrum {
             cumulative.push(cumulative[k - 1] + area);
         }
         match cumulative.last() {
-            Some(total) if *total > 0.0 => Ok(Spectrum { energies: density.energies.clone(), cumulative }),
+            Some(total) if *total > 0.0 => {
+                let (energies, values) = (density.energies.clone(), density.values.clone());
+                Ok(Spectrum { energies, values, cumulative })
+            }
             _ => Err(PropertyError::Dark),
         }
+    }
+
+    /// The energies of the table in MeV, ascending.
+    #[must_use]
+    pub fn energies(&self) -> &[f64] {
+        &self.energies
+    }
+
+    /// The values of the table.
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
+        &self.values
     }
 
     /// The energy below which a fraction of the spectrum lies that is cut at an energy; linear in the

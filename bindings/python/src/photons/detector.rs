@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use rayweave::Packets;
 use rayweave::formats::{self, Format, Imported, Options};
 use rayweave::model::drive::Cancel;
-use rayweave::photon::property::PropertyTable;
+use rayweave::photon::property::{PropertyTable, Spectrum};
 use rayweave::photon::{
     DetectionRule, Detector, Histories, HistoryOptions, LintFinding, OpticalMaterial, OpticalSurface,
     PhotonPart, PhotonRun, RunSettings, SurfaceTables, TimeProfile, check_start, lint, simulate_parts,
@@ -26,10 +26,10 @@ use crate::photons::source::PyPhotonSource;
 use crate::photons::tables::PyTables;
 
 /// A property: its name, energies in MeV, values, and unit.
-type Property<'py> = (&'static str, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, &'static str);
+type Property<'py> = (String, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, &'static str);
 
 /// The properties and constants of a material or surface, after its name.
-type Described<'py> = (String, Vec<Property<'py>>, Vec<(&'static str, f64)>);
+type Described<'py> = (String, Vec<Property<'py>>, Vec<(String, f64)>);
 
 /// A detector, compiled: see `rayweave.photons.Detector`.
 #[pyclass(frozen, module = "rayweave.photons", name = "CompiledDetector")]
@@ -284,7 +284,7 @@ type Table<'a> = (&'static str, Option<&'a PropertyTable>, &'static str);
 fn properties<'py>(py: Python<'py>, tables: &[Table<'_>]) -> Vec<Property<'py>> {
     let own = |&(name, table, unit): &Table<'_>| {
         let array = |values: &[f64]| PyArray1::from_slice(py, values);
-        table.map(|table| (name, array(table.energies()), array(table.values()), unit))
+        table.map(|table| (name.to_owned(), array(table.energies()), array(table.values()), unit))
     };
     tables.iter().filter_map(own).collect()
 }
@@ -298,21 +298,37 @@ fn described_material<'py>(py: Python<'py>, material: &OpticalMaterial) -> Descr
         ("RAYLEIGH", rayleigh_length.as_ref(), "mm"),
         ("MIEHG", mie.as_ref().map(|mie| &mie.length), "mm"),
     ];
+    let mut spectra = Vec::new();
     let mut constants = Vec::new();
     if let Some(mie) = mie {
         let values = [mie.forward, mie.backward, mie.forward_ratio];
-        constants.extend(["MIEHG_FORWARD", "MIEHG_BACKWARD", "MIEHG_FORWARD_RATIO"].into_iter().zip(values));
+        let names = ["MIEHG_FORWARD", "MIEHG_BACKWARD", "MIEHG_FORWARD_RATIO"].map(str::to_owned);
+        constants.extend(names.into_iter().zip(values));
     }
     let sets = [
-        ["WLSABSLENGTH", "WLSTIMECONSTANT", "WLSMEANNUMBERPHOTONS"],
-        ["WLSABSLENGTH2", "WLSTIMECONSTANT2", "WLSMEANNUMBERPHOTONS2"],
+        ["WLSABSLENGTH", "WLSCOMPONENT", "WLSTIMECONSTANT", "WLSMEANNUMBERPHOTONS"],
+        ["WLSABSLENGTH2", "WLSCOMPONENT2", "WLSTIMECONSTANT2", "WLSMEANNUMBERPHOTONS2"],
     ];
-    for ([length, time, mean], shifter) in sets.into_iter().zip(&material.shifters) {
+    for ([length, spectrum, time, mean], shifter) in sets.into_iter().zip(&material.shifters) {
         tables.push((length, Some(&shifter.length), "mm"));
-        constants.push((time, shifter.time));
-        constants.extend(shifter.mean_photons.map(|number| (mean, number)));
+        spectra.push((spectrum.to_owned(), &shifter.spectrum));
+        constants.push((time.to_owned(), shifter.time));
+        constants.extend(shifter.mean_photons.map(|number| (mean.to_owned(), number)));
     }
-    (material.name.clone(), properties(py, &tables), constants)
+    for component in &material.scintillation {
+        let named = |name: &str| format!("SCINTILLATION{name}{}", component.number);
+        spectra.push((named("COMPONENT"), &component.spectrum));
+        constants.extend(component.time.map(|time| (named("TIMECONSTANT"), time)));
+        constants.push((named("RISETIME"), component.rise_time));
+        constants.push((named("YIELD"), component.share));
+    }
+    let mut properties = properties(py, &tables);
+    let array = |values: &[f64]| PyArray1::from_slice(py, values);
+    let own = |(name, spectrum): (String, &Spectrum)| {
+        (name, array(spectrum.energies()), array(spectrum.values()), "")
+    };
+    properties.extend(spectra.into_iter().map(own));
+    (material.name.clone(), properties, constants)
 }
 
 fn described_surface<'py>(py: Python<'py>, surface: &OpticalSurface) -> Described<'py> {
@@ -331,6 +347,6 @@ fn described_surface<'py>(py: Python<'py>, surface: &OpticalSurface) -> Describe
         ("SPECULARSPIKECONSTANT", surface.spike.as_ref(), ""),
         ("BACKSCATTERCONSTANT", surface.backscatter.as_ref(), ""),
     ];
-    let constants = vec![("SURFACEROUGHNESS", surface.roughness)];
+    let constants = vec![("SURFACEROUGHNESS".to_owned(), surface.roughness)];
     (surface.name.clone(), properties(py, &tables), constants)
 }

@@ -4,8 +4,8 @@ use crate::arguments::{point, time};
 use crate::failure::Failure;
 use clap::{Args, ValueEnum};
 use rayweave::photon::{
-    Detector, Directions, Gensteps, LinearDensity, Origin, PhotonError, Pulse, Source, SourceVolume, Torch,
-    WavelengthDistribution, from_geant4, from_opticks, photons_from_opticks,
+    Detector, Directions, Gensteps, LinearDensity, Origin, PhotonError, Pulse, ScintillationLight, Source,
+    SourceVolume, Torch, WavelengthDistribution, from_geant4, from_opticks, photons_from_opticks,
 };
 use rayweave::table::NpyArray;
 use rayweave::{Packets, Vec3};
@@ -61,6 +61,11 @@ pub struct SourceArguments {
     #[arg(long, value_name = "K", requires = "wavelength")]
     black_body: Option<f64>,
 
+    /// Scintillation light of this material: its spectrum (SCINTILLATIONCOMPONENT1 and others) and its times, which are added to the
+    /// time of emission
+    #[arg(long, value_name = "MATERIAL", conflicts_with_all = ["wavelength", "spectrum"])]
+    scintillation: Option<String>,
+
     /// Linear polarisation along the part of this vector that is perpendicular to the photon [default: random]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     polarisation: Option<[f64; 3]>,
@@ -93,7 +98,7 @@ pub struct SourceArguments {
 }
 
 /// The options that describe a torch.
-const TORCH_OPTIONS: [&str; 15] = [
+const TORCH_OPTIONS: [&str; 16] = [
     "source",
     "at",
     "to",
@@ -105,6 +110,7 @@ const TORCH_OPTIONS: [&str; 15] = [
     "wavelength",
     "spectrum",
     "black_body",
+    "scintillation",
     "polarisation",
     "time",
     "time_deviation",
@@ -153,7 +159,7 @@ impl SourceArguments {
     }
 
     fn torch(&self, detector: &Detector, evaluator: &Packets) -> Result<Torch, Failure> {
-        let mut torch = Torch::new(self.origin(detector, evaluator)?, self.wavelengths()?)?;
+        let mut torch = Torch::new(self.origin(detector, evaluator)?, self.wavelengths(detector)?)?;
         if let Some(axis) = self.towards {
             torch = torch.towards(Directions::Cone { axis: axis.into(), half_angle: self.cone })?;
         }
@@ -198,12 +204,16 @@ impl SourceArguments {
         })
     }
 
-    fn wavelengths(&self) -> Result<WavelengthDistribution, Failure> {
+    fn wavelengths(&self, detector: &Detector) -> Result<WavelengthDistribution, Failure> {
+        if let Some(name) = &self.scintillation {
+            let light = ScintillationLight::new(detector.named_material(name)?)?;
+            return Ok(WavelengthDistribution::Scintillation(light));
+        }
         if let Some(path) = &self.spectrum {
             return read_spectrum(path);
         }
         let Some([from, to]) = self.wavelength else {
-            let text = "the wavelength is missing: state --wavelength NM or --spectrum FILE.";
+            let text = "the wavelength is missing: state --wavelength NM, --spectrum FILE or --scintillation MATERIAL.";
             return Err(Failure::Usage(text.to_owned()));
         };
         Ok(match self.black_body {

@@ -188,6 +188,8 @@ fn sources() {
     for (text, reason) in [
         ("--wavelength 550", "--at is missing: the source `point` needs it."),
         ("--at 0,0,0", "the wavelength is missing"),
+        ("--at 0,0,0 --scintillation Crystl", "Did you mean `Crystal`?"),
+        ("--at 0,0,0 --scintillation Crystal", "the material `Crystal` has no scintillation light"),
         ("--source disc --at 0,0,0 --radius 5 --wavelength 550", "--normal is missing"),
         ("--source volume --volume Baar --wavelength 550", "Did you mean `Bar`?"),
         ("--at 0,0,0 --wavelength 600:500", "A at most B"),

@@ -145,6 +145,17 @@ impl Detector {
         &self.materials
     }
 
+    /// The material with a name.
+    ///
+    /// # Errors
+    ///
+    /// [`PhotonError::Setting`] for an unknown name, with the names of all materials.
+    pub fn named_material(&self, name: &str) -> Result<&OpticalMaterial, PhotonError> {
+        let found = self.materials.iter().find(|material| material.name == name);
+        let names = self.materials.iter().map(|material| material.name.as_str());
+        found.ok_or_else(|| PhotonError::Setting(Message::unknown("material", name, names)))
+    }
+
     /// The optical surfaces, in the order of the file.
     #[must_use]
     pub fn surfaces(&self) -> &[OpticalSurface] {

@@ -5,6 +5,7 @@ use crate::philox::{Stream, perpendicular};
 use crate::photon::Photon;
 use crate::property::{PropertyTable, Spectrum};
 use crate::sample::linear_quantile;
+use crate::scintillation::delay;
 use rayweave_math::Vec3;
 
 /// The path of a particle along which photons start.
@@ -51,10 +52,6 @@ pub(super) fn cerenkov_photon(
 }
 
 /// A scintillation photon: in a random direction, unpolarised. That of a neutral particle starts at the end of the step.
-///
-/// The delay has the density (1 - exp(-t / rise)) exp(-t / decay). It is the sum of two exponential numbers with the means
-/// `decay` and rise decay / (rise + decay), since the convolution of exp(-a t) and exp(-b t) is in proportion to
-/// exp(-a t) - exp(-b t).
 pub(super) fn scintillation_photon(
     path: &Path,
     is_charged: bool,
@@ -66,9 +63,6 @@ pub(super) fn scintillation_photon(
     let polarisation = stream.polarisation(direction);
     let fraction = stream.uniform();
     let (position, start) = path.at(if is_charged { fraction } else { 1.0 });
-    let mut time = start + decay * stream.exponential();
-    if rise > 0.0 {
-        time += rise * decay / (rise + decay) * stream.exponential();
-    }
+    let time = start + delay(decay, rise, stream);
     Photon { position, direction, polarisation, energy, time }
 }

@@ -5,10 +5,11 @@ use super::emission::{Path, cerenkov_photon, scintillation_photon};
 use super::{EmissionProcess, Genstep};
 use crate::detector::Detector;
 use crate::error::PhotonError;
-use crate::material::{OpticalMaterial, ScintillationComponent};
+use crate::material::OpticalMaterial;
 use crate::philox::Stream;
 use crate::photon::{MAX_PHOTONS, Photon};
 use crate::property::HC_MEV_NM;
+use crate::scintillation::chosen;
 use rayweave_error::Message;
 use rayweave_model::{Evaluator, RegionId};
 use std::collections::BTreeMap;
@@ -146,19 +147,6 @@ impl Resolved {
             }
         }
     }
-}
-
-/// A component with the probability of its share of the yield.
-fn chosen(components: &[ScintillationComponent], stream: &mut Stream) -> usize {
-    let total: f64 = components.iter().map(|component| component.share).sum();
-    let mut rest = total * stream.uniform();
-    for (k, component) in components.iter().enumerate() {
-        if rest < component.share {
-            return k;
-        }
-        rest -= component.share;
-    }
-    components.len() - 1
 }
 
 fn fault(row: usize, reason: impl Into<String>) -> PhotonError {

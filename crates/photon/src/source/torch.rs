@@ -2,13 +2,16 @@
 
 use super::volume::SourceVolume;
 use crate::error::PhotonError;
+use crate::material::ScintillationComponent;
 use crate::philox::{Stream, perpendicular};
 use crate::photon::{Photon, transverse};
 use crate::property::HC_MEV_NM;
 use crate::sample::LinearDensity;
+use crate::scintillation::{ScintillationLight, delay};
 use rayweave_math::Vec3;
 
-/// A source of photons whose position, direction, wavelength, polarisation and time are independent of each other.
+/// A source of photons whose position, direction, wavelength, polarisation and time are independent of each other, except for the
+/// wavelength and time of scintillation light.
 #[derive(Clone, Debug)]
 pub struct Torch {
     origin: Origin,
@@ -59,6 +62,8 @@ pub enum WavelengthDistribution {
     Single(f64),
     /// A density per nm.
     Density(LinearDensity),
+    /// The scintillation light of a material, which also delays the emission.
+    Scintillation(ScintillationLight),
 }
 
 /// The distribution of emission times in ns: the sum of a uniform, a normal and an exponential part.
@@ -115,10 +120,17 @@ impl WavelengthDistribution {
         Ok(WavelengthDistribution::Density(LinearDensity::new(points)?))
     }
 
-    fn sample(&self, stream: &mut Stream) -> f64 {
+    /// The energy of a photon in MeV, and the component of scintillation that it belongs to.
+    fn sample(&self, stream: &mut Stream) -> (f64, Option<&ScintillationComponent>) {
         match self {
-            WavelengthDistribution::Single(nm) => *nm,
-            WavelengthDistribution::Density(density) => density.quantile(stream.uniform()),
+            WavelengthDistribution::Single(nm) => (HC_MEV_NM / nm, None),
+            WavelengthDistribution::Density(density) => {
+                (HC_MEV_NM / density.quantile(stream.uniform()), None)
+            }
+            WavelengthDistribution::Scintillation(light) => {
+                let (energy, component) = light.sample(stream);
+                (energy, Some(component))
+            }
         }
     }
 }
@@ -265,7 +277,7 @@ impl Torch {
 
     /// A photon; one of a volume is at the origin.
     pub(super) fn photon(&self, stream: &mut Stream) -> Photon {
-        let energy = HC_MEV_NM / self.wavelengths.sample(stream);
+        let (energy, component) = self.wavelengths.sample(stream);
         let direction = match self.directions {
             Directions::Isotropic => stream.direction(),
             Directions::Cone { axis, half_angle: 0.0 } => axis,
@@ -285,6 +297,9 @@ impl Torch {
         }
         if decay > 0.0 {
             time += decay * stream.exponential();
+        }
+        if let Some(ScintillationComponent { time: decay, rise_time, .. }) = component {
+            time += delay(decay.unwrap_or_default(), *rise_time, stream);
         }
         let position = match self.origin {
             Origin::Point(position) => position,

@@ -5,8 +5,9 @@ use crate::{CLEAR, SlabDetector, assert_binomial, assert_distribution, photons_o
 use rayweave_math::Vec3;
 use rayweave_photon::property::{HC_MEV_NM, LIGHT_SPEED};
 use rayweave_photon::{
-    Detector, EmissionProcess, Genstep, Gensteps, Hits, Photon, PhotonError, Process, RunSettings, Source,
-    Torch, cerenkov_yield, from_geant4, from_opticks, hit_schema, photons_from_opticks, sequence_text,
+    Detector, EmissionProcess, Genstep, Gensteps, Hits, Origin, Photon, PhotonError, Process, Pulse,
+    RunSettings, ScintillationComponent, ScintillationLight, Source, Torch, WavelengthDistribution,
+    cerenkov_yield, from_geant4, from_opticks, hit_schema, photons_from_opticks, sequence_text,
 };
 use rayweave_trace::Packets;
 use std::collections::BTreeMap;
@@ -224,6 +225,48 @@ fn components_have_their_yields() {
     assert_binomial(red, u64::from(COUNT), 0.7, "component 2");
     let late = found.iter().filter(|photon| photon.time > 105.0).count() as u64;
     assert_binomial(late, u64::from(COUNT), 0.7 * (-100f64 / 1500.0).exp(), "late photons");
+}
+
+/// A torch with the light of a material has its spectra and times, added to those of the torch.
+#[test]
+fn torches_emit_scintillation_light() {
+    let detector = slab();
+    let name = detector.materials().iter().find(|own| !own.scintillation.is_empty()).unwrap().name.clone();
+    let light = ScintillationLight::new(detector.named_material(&name).unwrap()).unwrap();
+    let origin = Origin::Point(Vec3::new(1.0, 2.0, 30.0));
+    let torch = Torch::new(origin, WavelengthDistribution::Scintillation(light)).unwrap();
+    let torch = torch.pulsed(Pulse { interval: [100.0, 100.0], ..Pulse::default() }).unwrap();
+    let found = photons_of(&detector, &Source::Torch(torch), &settings(COUNT as usize));
+    let (red, blue): (Vec<Photon>, Vec<Photon>) = found.iter().partition(|photon| photon.energy < 2.2e-6);
+    assert_binomial(red.len() as u64, u64::from(COUNT), 0.7, "component 2");
+    assert_distribution(red.iter().map(|own| 1e6 * own.energy).collect(), uniform(1.8, 2.0), "energy");
+    let exponential = |t: f64| 1.0 - (-(t - 100.0) / 1500.0).exp();
+    assert_distribution(red.iter().map(|own| own.time).collect(), exponential, "time of component 2");
+    // rise 2, decay 6: the integral of (1 - exp(-t / 2)) exp(-t / 6), normalised
+    let risen = |t: f64| (6.0 * (1.0 - (-t / 6.0).exp()) - 1.5 * (1.0 - (-t / 1.5).exp())) / 4.5;
+    assert_distribution(blue.iter().map(|own| own.time - 100.0).collect(), risen, "time of component 1");
+    assert!(blue.iter().all(|own| (2.5e-6..=4.0e-6).contains(&own.energy)));
+    assert!(found.iter().all(|own| own.position == Vec3::new(1.0, 2.0, 30.0)));
+}
+
+#[test]
+fn materials_without_scintillation_are_refused() {
+    let detector = slab();
+    let reason = |name: &str| {
+        let light = detector.named_material(name).and_then(ScintillationLight::new);
+        light.err().map(|error| error.to_string()).unwrap_or_default()
+    };
+    let dark = detector.materials().iter().find(|own| own.scintillation.is_empty()).unwrap();
+    assert!(reason(&dark.name).contains("has no SCINTILLATIONCOMPONENT1"), "{}", reason(&dark.name));
+    assert!(reason("Sl").contains("no material is called `Sl`"), "{}", reason("Sl"));
+    let own = detector.materials().iter().find(|own| !own.scintillation.is_empty()).unwrap();
+    let changed = |change: fn(&mut ScintillationComponent)| {
+        let mut material = own.clone();
+        material.scintillation.iter_mut().for_each(change);
+        ScintillationLight::new(&material).unwrap_err().to_string()
+    };
+    assert!(changed(|own| own.share = 0.0).contains("are all 0"));
+    assert!(changed(|own| own.time = None).contains("has no SCINTILLATIONTIMECONSTANT1"));
 }
 
 /// The layouts of Opticks and Geant4 hold the same steps.

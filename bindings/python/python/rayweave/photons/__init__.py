@@ -10,7 +10,7 @@ Lengths are in mm, times in ns, energies in eV and wavelengths in nm.
 """
 
 from rayweave.photons._compare import Bin, Comparison, FirstDifference, Quantity, compare
-from rayweave.photons._detector import Detector, Findings, Material, Property, Surface, load, loads
+from rayweave.photons._detector import Detector, Findings, Material, Property, ScintillationComponent, Surface, load, loads
 from rayweave.photons._run import Histories, Hits, Run, Sequences
 from rayweave.photons._sources import (
     Source,
@@ -38,6 +38,7 @@ __all__ = [
     "Property",
     "Quantity",
     "Run",
+    "ScintillationComponent",
     "Sequences",
     "Source",
     "Surface",

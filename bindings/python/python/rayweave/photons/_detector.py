@@ -55,6 +55,8 @@ class Property:
     """(N,) the values."""
     unit: str
     """The unit of the values; "" for pure numbers."""
+    _energy_mev: Numbers | None = field(default=None, repr=False)
+    """The energies as the engine has them: those in eV are rounded once more."""
 
     @property
     def wavelength_nm(self) -> Numbers:
@@ -71,6 +73,12 @@ class Property:
     def plot(self) -> Drawing:
         """The values by wavelength."""
         return _plot(self.name, [self])
+
+    def _points(self) -> list[float]:
+        """Energies in MeV and values in turn."""
+        energies = self.energy_ev * 1e-6 if self._energy_mev is None else self._energy_mev
+        points: list[float] = np.stack([energies, self.values], axis=1).ravel().tolist()
+        return points
 
     def _curve(self) -> tuple[str, list[tuple[float, float]]]:
         """The name with the unit, and points of the curve: it is not straight in the wavelength."""
@@ -124,6 +132,42 @@ class Material(_Described):
     def rayleigh_length(self) -> Property | None:
         """RAYLEIGH in mm, stated or derived from the compressibility."""
         return self.properties.get("RAYLEIGH")
+
+
+    @property
+    def scintillation(self) -> tuple[ScintillationComponent, ...]:
+        """The components of scintillation; the spectrum `("scintillation", material)` of a source emits their light."""
+        numbers = [k for k in (1, 2, 3) if f"SCINTILLATIONCOMPONENT{k}" in self.properties]
+        return tuple(
+            ScintillationComponent(
+                self.properties[f"SCINTILLATIONCOMPONENT{k}"],
+                self.constants.get(f"SCINTILLATIONTIMECONSTANT{k}"),
+                self.constants[f"SCINTILLATIONRISETIME{k}"],
+                self.constants[f"SCINTILLATIONYIELD{k}"],
+            )
+            for k in numbers
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ScintillationComponent:
+    """A component of the scintillation of a material.
+
+    >>> import numpy as np
+    >>> import rayweave.photons as rp
+    >>> spectrum = rp.Property("SCINTILLATIONCOMPONENT1", np.array([2.7, 2.95, 3.2]), np.array([0.0, 1.0, 0.0]), "")
+    >>> rp.ScintillationComponent(spectrum, time_ns=40.0, rise_time_ns=0.0, share=1.0).time_ns
+    40.0
+    """
+
+    spectrum: Property
+    """SCINTILLATIONCOMPONENT: the density per energy is constant between two points, the mean of their values, as in Geant4."""
+    time_ns: float | None
+    """SCINTILLATIONTIMECONSTANT in ns; None if the file has none."""
+    rise_time_ns: float
+    """SCINTILLATIONRISETIME in ns."""
+    share: float
+    """SCINTILLATIONYIELD: the relative number of photons."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -507,7 +551,7 @@ def _ends(numbers: Any) -> tuple[int, int]:
 
 def _described(row: Any) -> tuple[str, dict[str, Property], dict[str, float]]:
     name, properties, constants = row
-    tables = {key: Property(key, energies * 1e6, values, unit) for key, energies, values, unit in properties}
+    tables = {key: Property(key, energies * 1e6, values, unit, energies) for key, energies, values, unit in properties}
     return name, tables, dict(constants)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +15,10 @@ from rayweave.optics._given import array, numbers, real, text, vector, whole
 from rayweave.optics._sources import Spectrum, _spectrum
 
 if TYPE_CHECKING:
-    from rayweave.photons._detector import Detector
+    from rayweave.photons._detector import Detector, Material
+
+#: Wavelengths: a spectrum of `rayweave.optics`, or the scintillation light of a material.
+Wavelengths: TypeAlias = "Spectrum | tuple[Literal['scintillation'], Material]"
 
 #: A time, or the ends of an interval.
 Time = float | tuple[float, float]
@@ -59,8 +62,24 @@ def _compiled(detector: Detector) -> _core.CompiledDetector:
     return compiled
 
 
+def _distribution(wavelength_nm: Wavelengths) -> tuple[str, list[float], str]:
+    """The kind of a spectrum, its numbers, and the name of its material."""
+    if not (isinstance(wavelength_nm, tuple) and wavelength_nm[:1] == ("scintillation",)):
+        return *_spectrum(wavelength_nm), ""
+    material: Any = wavelength_nm[1] if len(wavelength_nm) == 2 else None
+    components = getattr(material, "scintillation", None)
+    if components is None:
+        needed = '("scintillation", detector.material(name))'
+        raise TypeError(f"wavelength_nm is {wavelength_nm!r}: scintillation needs a material, as in {needed}.")
+    values: list[float] = []
+    for number, own in enumerate(components, 1):
+        points, time = own.spectrum._points(), float("nan") if own.time_ns is None else own.time_ns
+        values += [number, time, own.rise_time_ns, own.share, len(points) // 2, *points]
+    return "scintillation", values, material.name
+
+
 def _light(
-    wavelength_nm: Spectrum,
+    wavelength_nm: Wavelengths,
     towards: ArrayLike | None,
     cone_degrees: float,
     polarisation: ArrayLike | None,
@@ -78,7 +97,7 @@ def _light(
     else:
         interval = (real(time, "time", "a time, or the two ends of an interval"),) * 2
     return {
-        "spectrum": _spectrum(wavelength_nm),
+        "spectrum": _distribution(wavelength_nm),
         "towards": None if towards is None else vector(towards, "towards"),
         "cone_degrees": real(cone_degrees, "cone_degrees"),
         "polarisation": None if polarisation is None else vector(polarisation, "polarisation"),
@@ -89,7 +108,9 @@ def _light(
 
 
 def _named(light: Mapping[str, Any]) -> str:
-    kind, values = light["spectrum"]
+    kind, values, material = light["spectrum"]
+    if kind == "scintillation":
+        return f"scintillation of {material}"
     if kind == "line":
         return f"{values[0]:g} nm"
     if kind == "table":
@@ -99,7 +120,7 @@ def _named(light: Mapping[str, Any]) -> str:
 
 def point(
     position: ArrayLike,
-    wavelength_nm: Spectrum,
+    wavelength_nm: Wavelengths,
     *,
     towards: ArrayLike | None = None,
     cone_degrees: float = 0.0,
@@ -117,8 +138,8 @@ def point(
     wavelength_nm
         The wavelength in vacuum, in nm; or a spectrum, as in `rayweave.optics`: ("uniform", lo, hi), the same density between two
         wavelengths; ("black body", kelvin, lo, hi), the photons of a black body between them; ("table", w1, p1, w2, p2, ..), densities
-        p per nm at wavelengths w, with straight lines between. (The emission spectra of materials are constant between their points,
-        as in Geant4.)
+        p per nm at wavelengths w, with straight lines between. ("scintillation", detector.material(name)) is the scintillation light of
+        a material: its spectra, which are constant between their points, as in Geant4, and its times, which are added to `time`.
     towards
         (3,), the direction of all photons; by default all directions with equal probability.
     cone_degrees
@@ -147,7 +168,7 @@ def point(
 def disc(
     centre: ArrayLike,
     radius: float,
-    wavelength_nm: Spectrum,
+    wavelength_nm: Wavelengths,
     *,
     normal: ArrayLike | None = None,
     towards: ArrayLike | None = None,
@@ -178,7 +199,7 @@ def disc(
 def line(
     start: ArrayLike,
     end: ArrayLike,
-    wavelength_nm: Spectrum,
+    wavelength_nm: Wavelengths,
     *,
     towards: ArrayLike | None = None,
     cone_degrees: float = 0.0,
@@ -203,7 +224,7 @@ def line(
 def volume(
     detector: Detector,
     name: str,
-    wavelength_nm: Spectrum,
+    wavelength_nm: Wavelengths,
     *,
     towards: ArrayLike | None = None,
     cone_degrees: float = 0.0,
@@ -230,7 +251,7 @@ def volume(
 def surface(
     detector: Detector,
     name: str,
-    wavelength_nm: Spectrum,
+    wavelength_nm: Wavelengths,
     *,
     towards: ArrayLike | None = None,
     cone_degrees: float = 0.0,
