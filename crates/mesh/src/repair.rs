@@ -1,6 +1,7 @@
 //! Mesh repair: vertex welding, removal of degenerate and duplicate triangles, hole filling, consistent orientation.
 
-use crate::diagnosis::{holes, shells};
+use crate::diagnosis::intersections::intersections;
+use crate::diagnosis::{Component, PairBudget, holes, shells};
 use crate::topology::{half_edges, is_degenerate};
 use crate::triangulate::{EarBudget, area_vector, clip_ears};
 use crate::{Mesh, MeshError};
@@ -191,11 +192,17 @@ fn cap(mesh: &Mesh, corners: &[u32], tolerance: f64, budget: &mut EarBudget) -> 
     if is_plane { clip_ears(mesh.vertices(), corners, normal, budget) } else { None }
 }
 
-/// Makes the orientation of each shell consistent and outward, by its nesting depth.
+/// Makes the orientation of each shell consistent and outward, by its nesting depth. Shells that cross another one have no depth, and
+/// keep the orientation of the majority of their triangles.
 fn oriented(mesh: Mesh, done: &mut Repair) -> Mesh {
     let half_edges = half_edges(&mesh);
     let shells = shells::Shells::new(&mesh, &half_edges);
-    let components = shells.components(&mesh, &half_edges);
+    let mut components = shells.components(&mesh, &half_edges);
+    // the search takes longer than all else here, and shells that are not inside out stay as they are
+    if components.len() > 1 && components.iter().any(Component::is_inside_out) {
+        let found = intersections(&mesh, &shells.component_of, |_| false, &mut PairBudget::default());
+        found.mixed.iter().for_each(|&shell| components[shell as usize].is_mixed = true);
+    }
     let is_reversed = |triangle: usize| {
         let shell = &components[shells.component_of[triangle] as usize];
         shell.is_orientable && shells.is_flipped[triangle] != shell.is_inside_out()

@@ -107,7 +107,7 @@ fn orientation_along(triangle: Triangle, axis: usize) -> i8 {
 pub(crate) enum Meeting {
     /// None, or common corners only, or a contact without crossing.
     Touching,
-    /// An edge of one crosses the interior of the other.
+    /// Their interiors cross, or an edge of one crosses the interior of the other.
     Crossing,
     /// They are coplanar and their interiors overlap.
     Overlapping,
@@ -122,6 +122,7 @@ pub(crate) fn meeting(a: Triangle, b: Triangle, shared: usize) -> Meeting {
         () if apart(sides.0) || apart(sides.1) => Meeting::Touching,
         () if sides.0 == [0; 3] && overlap_in_plane(a, b) => Meeting::Overlapping,
         () if shared < 2 && (pierces(a, b, shared) || pierces(b, a, shared)) => Meeting::Crossing,
+        () if shared < 2 && interiors_cross((a, sides.1), (b, sides.0)) => Meeting::Crossing,
         () => Meeting::Touching,
     }
 }
@@ -182,6 +183,25 @@ fn meets_in_plane(p: Vec3, q: Vec3, b: Triangle) -> bool {
 fn pierces(a: Triangle, b: Triangle, shared: usize) -> bool {
     let edges = (0..3).map(|k| (k, (k + 1) % 3)).filter(|&(p, q)| p >= shared && q >= shared);
     edges.into_iter().any(|(p, q)| crosses_interior(a[p], a[q], b))
+}
+
+/// True if the interiors of two triangles have a common segment, also if only edges end it: then no edge crosses an interior. The
+/// sides of the corners of each with respect to the plane of the other are given.
+///
+/// Each triangle with corners on both sides of the other's plane has a segment in common with the line of the two planes: between
+/// the points P1, P2 where the edges from the corner that is alone on its side cross the plane. The interiors cross where this segment
+/// overlaps that of the other triangle, Q1, Q2: where some Q lies before some P, and some Q behind some P. The order of P and Q on the line
+/// is the orientation of the two edges (Guigue and Devillers, Fast and Robust Triangle-Triangle Overlap Test Using Orientation Predicates,
+/// 2003).
+fn interiors_cross((a, sides_a): (Triangle, [i8; 3]), (b, sides_b): (Triangle, [i8; 3])) -> bool {
+    let alone = |sides: [i8; 3]| {
+        let is_alone = |&k: &usize| sides[k] != 0 && (1..3).all(|step| sides[(k + step) % 3] != sides[k]);
+        (0..3).find(is_alone).filter(|&k| sides.contains(&-sides[k]))
+    };
+    let (Some(k), Some(l)) = (alone(sides_a), alone(sides_b)) else { return false };
+    let orders =
+        [(1, 1), (1, 2), (2, 1), (2, 2)].map(|(i, j)| side_of([a[k], a[(k + i) % 3], b[l]], b[(l + j) % 3]));
+    orders.contains(&1) && orders.contains(&-1)
 }
 
 /// True if the segment from `p` to `q` crosses the interior of a triangle.
@@ -254,6 +274,71 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Triangles with corners on a small grid, so that corners and edges meet others exactly, against rational arithmetic: the interiors
+    /// cross if a point of one segment of intersection lies inside both.
+    #[test]
+    fn crossings_on_a_grid_are_exact() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut found = [0; 2];
+        for _ in 0..200_000 {
+            let mut triangle = || {
+                [0; 3].map(|_: i32| Vec3::from_array([0; 3].map(|_: i32| f64::from(rng.random_range(-2..3)))))
+            };
+            let (a, b) = (triangle(), triangle());
+            let is_common = a.iter().any(|corner| b.contains(corner));
+            if is_flat(a) || is_flat(b) || is_common {
+                continue;
+            }
+            let crossing = meeting(a, b, 0) == Meeting::Crossing;
+            assert_eq!(crossing, meeting(b, a, 0) == Meeting::Crossing, "{a:?} {b:?}");
+            assert_eq!(crossing, cross_by_parameters(a, b), "{a:?} {b:?}");
+            found[usize::from(crossing)] += 1;
+        }
+        assert!(found[1] > 1000, "{found:?}");
+    }
+
+    /// Whether the segments of two triangles on the line of their planes overlap: their ends along the line as fractions of integers.
+    fn cross_by_parameters(a: Triangle, b: Triangle) -> bool {
+        let whole = |v: Vec3| v.to_array().map(|x| x as i128);
+        let minus = |p: [i128; 3], q: [i128; 3]| std::array::from_fn::<i128, 3, _>(|k| p[k] - q[k]);
+        let dot = |p: [i128; 3], q: [i128; 3]| (0..3).map(|k| p[k] * q[k]).sum::<i128>();
+        let cross = |p: [i128; 3], q: [i128; 3]| {
+            std::array::from_fn::<i128, 3, _>(|k| {
+                p[(k + 1) % 3] * q[(k + 2) % 3] - p[(k + 2) % 3] * q[(k + 1) % 3]
+            })
+        };
+        let (a, b) = (a.map(whole), b.map(whole));
+        let normal = |t: [[i128; 3]; 3]| cross(minus(t[1], t[0]), minus(t[2], t[0]));
+        let line = cross(normal(a), normal(b));
+        // the ends of a triangle's segment in the plane of another, as numerators and positive denominators along the line
+        let ends = |t: [[i128; 3]; 3], other: [[i128; 3]; 3]| {
+            let n = normal(other);
+            let height = t.map(|corner| dot(n, minus(corner, other[0])));
+            let mut ends: Vec<(i128, i128)> = Vec::new();
+            for (p, q) in [(0, 1), (1, 2), (2, 0)] {
+                if height[p] * height[q] < 0 {
+                    let (u, v) = (dot(line, t[p]), dot(line, t[q]));
+                    let (below, above) = (height[q] - height[p], u * height[q] - v * height[p]);
+                    ends.push(if below > 0 { (above, below) } else { (-above, -below) });
+                }
+            }
+            // a corner in the plane ends the segment if the other two are on both sides
+            for k in (0..3).filter(|&k| height[k] == 0 && height[(k + 1) % 3] * height[(k + 2) % 3] < 0) {
+                ends.push((dot(line, t[k]), 1));
+            }
+            ends
+        };
+        let ends = [ends(a, b), ends(b, a)];
+        let [[p, q], [r, s]] = match [&ends[0][..], &ends[1][..]] {
+            [&[p, q], &[r, s]] => [[p, q], [r, s]],
+            _ => return false,
+        };
+        let less = |x: (i128, i128), y: (i128, i128)| x.0 * y.1 < y.0 * x.1;
+        let sorted = |x, y| if less(x, y) { [x, y] } else { [y, x] };
+        let ([p, q], [r, s]) = (sorted(p, q), sorted(r, s));
+        less(p, s) && less(r, q)
     }
 
     #[test]

@@ -5,7 +5,7 @@ mod shapes;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_math::{Affine, Vec3};
 use rayweave_mesh::{
-    EarBudget, Mesh, MeshError, PairBudget, Polyhedron, Repair, RepairOptions, triangulate_polygon,
+    Diagnosis, EarBudget, Mesh, MeshError, PairBudget, Polyhedron, Repair, RepairOptions, triangulate_polygon,
 };
 use shapes::{ball, both, cuboid, potato, torus, vector};
 
@@ -34,6 +34,33 @@ fn sound_meshes_have_no_faults() {
     }
 }
 
+/// Shells that cross have no depth: a repair leaves their orientation, while it reverses the cavity of a third shell.
+#[test]
+fn shells_that_cross_are_not_reversed() {
+    for k in 0..27 {
+        // the second cube covers a corner, an edge, a face or the middle of the first
+        let shift =
+            0.4 * Vec3::new(f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9)) - Vec3::splat(0.37);
+        let pair = both(&cube(), &cuboid(shift, shift + Vec3::splat(0.8)));
+        let found = pair.diagnose();
+        let inside_out = |found: &Diagnosis| found.components.iter().filter(|c| c.is_inside_out()).count();
+        let crossing = found.components.iter().filter(|shell| shell.is_mixed).count();
+        let is_inside = shift.to_array().iter().all(|x| (0.0..=0.2).contains(x));
+        assert_eq!(
+            (crossing, inside_out(&found)),
+            if is_inside { (0, 1) } else { (2, 0) },
+            "{shift:?}: {found}"
+        );
+        let (mesh, done) = repaired(&pair);
+        assert_eq!(done.reversed, if is_inside { 12 } else { 0 }, "{shift:?}");
+        assert!((mesh.volume() - 1.0 - if is_inside { -0.512 } else { 0.512 }).abs() < 1e-12);
+        // beside them, a shell within a shell
+        let far = |margin: f64| cuboid(Vec3::splat(5.0 + margin), Vec3::splat(9.0 - margin));
+        let (_, done) = repaired(&both(&pair, &both(&far(0.0), &far(1.0))));
+        assert_eq!(done.reversed, if is_inside { 24 } else { 12 }, "{shift:?}");
+    }
+}
+
 #[test]
 fn volume_area_and_centre_have_closed_forms() {
     let shift = Vec3::new(1e3, 2e3, -3e3);
@@ -59,9 +86,9 @@ fn the_volume_of_a_solid_counts_cavities_and_islands() {
     // the sum over the triangles would be 1458: 729 twice, and by the even-odd rule 0
     assert_eq!(both(&at(0.0), &at(0.0)).diagnose().volume(), None);
     let crossing = cuboid(lo + Vec3::splat(5.0), hi + Vec3::splat(5.0));
-    // all edges cross diagonals of faces, so that none crosses the interior of a triangle
+    // all edges cross diagonals of faces: interiors cross although no edge crosses one
     let found = both(&at(0.0), &crossing).diagnose();
-    assert!(found.crossings.is_empty() && !found.contacts.is_empty() && found.volume().is_none());
+    assert!(!found.crossings.is_empty() && !found.is_sound() && found.volume().is_none());
     let open = with_triangles(&at(0.0), |triangles| {
         triangles.pop();
     });

@@ -6,6 +6,7 @@ use crate::topology::is_degenerate;
 use crate::tree::TriangleTree;
 use crate::triangle::{self, Meeting, Triangle};
 use rayweave_math::Vec3;
+use rustc_hash::FxHashSet;
 
 /// A pair of triangles that have more in common than corners and edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +45,7 @@ impl Default for PairBudget {
 
 /// The intersecting pairs of triangles.
 #[derive(Default)]
-pub(super) struct Intersections {
+pub(crate) struct Intersections {
     /// The pairs that cross, sorted.
     pub crossings: Findings<Intersection>,
     /// The coplanar pairs that overlap, sorted.
@@ -53,12 +54,15 @@ pub(super) struct Intersections {
     pub contacts: Findings<Intersection>,
     /// The first triangle whose pairs were not compared, because too many boxes overlap.
     pub end: Option<u32>,
+    /// The components that cross or overlap another one.
+    pub mixed: FxHashSet<u32>,
 }
 
 /// The intersections of all triangles except duplicates (`is_duplicate`, by number), which the first triangle with the same
-/// corners represents.
-pub(super) fn intersections(
+/// corners represents. `component_of` is the component of each triangle.
+pub(crate) fn intersections(
     mesh: &Mesh,
+    component_of: &[u32],
     is_duplicate: impl Fn(u32) -> bool,
     budget: &mut PairBudget,
 ) -> Intersections {
@@ -88,7 +92,12 @@ pub(super) fn intersections(
         *left -= seen;
         others.sort_unstable();
         for &other in &others {
-            match meeting_of(mesh, number, other) {
+            let meeting = meeting_of(mesh, number, other);
+            let shells = [number, other].map(|number| component_of[number as usize]);
+            if shells[0] != shells[1] && meeting != Meeting::Touching {
+                found.mixed.extend(shells);
+            }
+            match meeting {
                 Meeting::Touching if is_in_contact(mesh, number, other) => {
                     found.contacts.add(intersection(mesh, [number, other]));
                 }

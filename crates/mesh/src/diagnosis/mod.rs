@@ -1,7 +1,7 @@
 //! Mesh diagnosis: open and non-manifold edges, holes, self-intersections, duplicates, orientation and shells.
 
 pub(crate) mod holes;
-mod intersections;
+pub(crate) mod intersections;
 pub(crate) mod shells;
 
 use crate::topology::{HalfEdge, by_edge, half_edges, is_degenerate};
@@ -149,8 +149,10 @@ impl Mesh {
         let half_edges = half_edges(&mesh);
         let shells = shells::Shells::new(&mesh, &half_edges);
         let (duplicates, is_duplicate) = duplicates(&mesh);
-        let found = intersections::intersections(&mesh, |triangle| is_duplicate[triangle as usize], budget);
-        let components = shells.components(&mesh, &half_edges);
+        let is_duplicate = |triangle: u32| is_duplicate[triangle as usize];
+        let found = intersections::intersections(&mesh, &shells.component_of, is_duplicate, budget);
+        let mut components = shells.components(&mesh, &half_edges);
+        found.mixed.iter().for_each(|&shell| components[shell as usize].is_mixed = true);
         let open_edges = by_edge(&half_edges).filter(|edge| edge.len() % 2 == 1).count();
         Diagnosis {
             triangles: mesh.triangles().len(),

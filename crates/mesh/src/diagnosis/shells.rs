@@ -24,13 +24,18 @@ pub struct Component {
     pub volume: f64,
     /// The nesting depth: the number of closed shells around one of its points; 0 if the component or the mesh is not closed.
     pub depth: usize,
+    /// True if its triangles cross or overlap those of another component: its points differ in their depths then.
+    pub is_mixed: bool,
 }
 
 impl Component {
-    /// True if it is closed and its orientation contradicts its depth. Triangles should be counter-clockwise seen from the
-    /// outside of the solid.
+    /// True if it is closed, has a depth, and its orientation contradicts this depth. Triangles should be counter-clockwise seen
+    /// from the outside of the solid.
     pub fn is_inside_out(&self) -> bool {
-        self.is_closed && self.volume != 0.0 && (self.volume > 0.0) != self.depth.is_multiple_of(2)
+        self.is_closed
+            && !self.is_mixed
+            && self.volume != 0.0
+            && (self.volume > 0.0) != self.depth.is_multiple_of(2)
     }
 }
 
@@ -140,6 +145,7 @@ impl Shells {
             is_orientable: !self.one_sided[shell],
             volume: oriented.volume_of(members[shell].iter().copied(), middle),
             depth: depths[shell],
+            is_mixed: false,
         };
         (0..self.firsts.len()).map(component).collect()
     }
