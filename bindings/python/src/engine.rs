@@ -14,7 +14,7 @@ use pyo3::types::{PyBool, PyInt, PyTuple};
 use rayweave::device::{Device, DeviceEvaluator, DeviceOptions};
 use rayweave::model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave::model::{Crossing, Evaluator, LeafKind, Medium, Program, RegionId, Window};
-use rayweave::scene::Scene;
+use rayweave::scene::{Scene, world_name};
 use rayweave::{AnyEvaluator, AnyScratch, Compiled, Message};
 
 use crate::device::{Chosen, device_argument, warn};
@@ -200,8 +200,8 @@ impl Engine {
     /// The names of the regions, by number; 0 is the world.
     pub fn region_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let names = || {
-            let regions = self.program.regions().iter().map(|region| region.name.as_str());
-            let names: Vec<_> = std::iter::once("world").chain(regions).collect();
+            let regions = || self.program.regions().iter().map(|region| region.name.as_str());
+            let names: Vec<_> = std::iter::once(world_name(regions())).chain(regions()).collect();
             Ok::<_, PyErr>(PyTuple::new(py, names)?.unbind())
         };
         Ok(self.region_names.get_or_try_init(py, names)?.bind(py).clone())

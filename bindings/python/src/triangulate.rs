@@ -67,14 +67,14 @@ pub fn mesh_defects(
     py: Python<'_>,
     vertices: PyReadonlyArray2<'_, f64>,
     triangles: PyReadonlyArray2<'_, u32>,
-) -> PyResult<(usize, usize, f64, String)> {
+) -> PyResult<(usize, usize, f64, String, bool)> {
     let points =
         vertices.as_array().rows().into_iter().map(|row| Vec3::new(row[0], row[1], row[2])).collect();
     let corners = triangles.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
     let mesh = Mesh::new(points, corners).map_err(bad_value)?;
     let found = py.detach(|| mesh.diagnose());
     let volume = found.volume().unwrap_or(f64::NAN);
-    Ok((found.components.len(), found.open_edges, volume, found.to_string()))
+    Ok((found.components.len(), found.open_edges, volume, found.to_string(), found.is_sound()))
 }
 
 /// The exact volume of a single shape, possibly placed; None if the volume must be measured.

@@ -245,6 +245,10 @@ def test_meshes(model):
     both = model.to_mesh(0.01)
     assert both.volume == pytest.approx(64, rel=1e-9)
     again = rw.from_trimesh(mesh)
+    a, b = rw.box(2).to_mesh(), rw.box(2).translate([1, 0, 0]).to_mesh()
+    overlapping = rw.Mesh(np.concatenate([a.vertices, b.vertices]), np.concatenate([a.triangles, b.triangles + len(a.vertices)]))
+    with pytest.warns(UserWarning, match="the solid within the mesh is ambiguous .*overlapping pairs of triangles"):
+        rw.from_trimesh(overlapping)
     assert again.volume == pytest.approx(6, rel=2e-3) and again.contains([0, 0, 1.4]).all()
     with pytest.raises(rw.RayweaveError, match="unbounded"):
         rw.cylinder(1).to_mesh()

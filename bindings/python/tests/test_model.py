@@ -353,3 +353,11 @@ def test_misspelt_numbers_of_media_warn():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         rw.Model({"a": rw.sphere(1)}, media={"steel": {"density": 7.85, "hardness": 3}})
+
+
+def test_a_region_may_have_the_name_of_the_world():
+    # volumes of GDML files are often called so
+    model = rw.Model([rw.Region("world", rw.sphere(1), "x"), rw.Region("outside", rw.sphere(0.5), "x")], {"x": {}})
+    pieces = model.partition([-3, 0, 0], [1, 0, 0], 0, 6, by="region")
+    assert pieces.region_names == ("space outside", "world", "outside")
+    assert pieces.to_pandas().groupby("region", observed=True)["length"].sum().to_dict() == {"space outside": 4, "world": 1, "outside": 1}

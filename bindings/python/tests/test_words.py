@@ -122,6 +122,7 @@ def test_words_of_other_programs_are_suggested(call, message):
         (lambda: rw.section(A, z=0), "Did you mean plane="),
         (lambda: rw.render(A, camera=3), "camera is of type int: it must be a Camera"),
         (lambda: rw.from_trimesh(3), "source is of type int, without vertices"),
+        (lambda: rw.section(rw.sphere(1), 2.0), "plane is 2.0: it must be a text"),
         (lambda: rw.measure(A, within="all"), "within is 'all': it must be"),
         (lambda: rw.sphere("2"), "sphere: radius is '2': it must be a number"),
         (lambda: A.hits([0, 0, 0], [1, 0, 0], threads=[1]), r"threads is \[1\]: it must be a whole number"),

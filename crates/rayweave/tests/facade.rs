@@ -104,3 +104,19 @@ fn the_scratch_of_another_evaluator_is_replaced() {
         assert_eq!(regions.map(|region| region.0), [2, 1], "{}", evaluator.name());
     }
 }
+
+/// A model of which a part is missing is an error here, with the reason; `formats::load` reads it.
+#[test]
+fn models_with_missing_parts_are_errors() {
+    let folder = std::env::temp_dir().join(format!("rayweave-missing-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("torso.csg");
+    std::fs::write(&path, "cube(size = [10, 10, 10]); import(file = \"gone.stl\");").unwrap();
+    let error = rayweave::load(&path).unwrap_err();
+    let read = rayweave::formats::load(&path, None, &[], &rayweave::formats::Options::default());
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert!(error.is_model_file());
+    let text = error.to_string();
+    assert!(text.contains("a part of the geometry is missing") && text.contains("gone.stl"), "{text}");
+    assert_eq!(read.unwrap().scene.regions.len(), 1);
+}

@@ -3,6 +3,7 @@
 use crate::{Colour, Medium, Scene, SceneError, SceneRegion};
 use rayweave_error::Message;
 use rayweave_model::{Program, Region, RegionId, Solid};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// A compiled scene with the names of its media.
@@ -35,8 +36,8 @@ impl Compiled {
     pub fn by_region(scene: &Scene) -> Result<Compiled, SceneError> {
         let regions: Vec<_> =
             (1..).zip(scene.model_regions()).map(|(medium, region)| Region { medium, ..region }).collect();
-        let names = regions.iter().map(|region| region.name.as_str());
-        Compiled::of(&regions, std::iter::once("world").chain(names))
+        let names = || regions.iter().map(|region| region.name.as_str());
+        Compiled::of(&regions, std::iter::once(world_name(names())).chain(names()))
     }
 
     fn of<'a>(regions: &[Region], media: impl IntoIterator<Item = &'a str>) -> Result<Compiled, SceneError> {
@@ -110,3 +111,14 @@ impl Scene {
         Ok(alone)
     }
 }
+
+/// The name of the space outside of all regions, among regions with these names: `world`, or another one if a region is called so, as
+/// in many GDML files.
+#[must_use]
+pub fn world_name<'a>(regions: impl Iterator<Item = &'a str>) -> &'static str {
+    let taken: HashSet<&str> = regions.filter(|name| CANDIDATES.contains(name)).collect();
+    CANDIDATES.into_iter().find(|name| !taken.contains(name)).unwrap_or("")
+}
+
+/// Names of the space outside of all regions.
+const CANDIDATES: [&str; 4] = ["world", "outside", "space outside", "(outside)"];

@@ -59,7 +59,7 @@ mod unit;
 
 pub use bare_name::bare_name;
 pub use colour::Colour;
-pub use compiled::Compiled;
+pub use compiled::{Compiled, world_name};
 pub use datum::{Datum, Table, lookup};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use document::*;

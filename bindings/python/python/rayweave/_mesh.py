@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -94,8 +95,8 @@ class Mesh:
         """
         return self._defects()[3]
 
-    def _defects(self) -> tuple[int, int, float, str]:
-        """Shells, open edges, volume and summary."""
+    def _defects(self) -> tuple[int, int, float, str, bool]:
+        """Shells, open edges, volume, summary, and whether the solid is unambiguous."""
         return _core.mesh_defects(
             np.ascontiguousarray(self.vertices, np.float64), np.ascontiguousarray(self.triangles, np.uint32)
         )
@@ -143,6 +144,10 @@ class Mesh:
 def from_trimesh(source: Any) -> Solid:
     """The solid within a closed mesh of trimesh, or of any object with `vertices` (V, 3) and `faces` (T, 3).
 
+    A point is inside if a ray from it crosses the mesh an odd number of times. A mesh whose triangles cross each other, such as two
+    overlapping parts in one mesh, gives a warning: `rw.union(rw.from_trimesh(part) for part in mesh.split())` is the union of the parts.
+    For an open mesh, see `trimesh.repair`, or save it and read it with `load(path, repair=True)`.
+
     >>> import rayweave as rw
     >>> solid = rw.from_trimesh(rw.box(2).to_mesh())
     >>> solid.contains([0.5, 0.5, 0.5])
@@ -151,10 +156,19 @@ def from_trimesh(source: Any) -> Solid:
     for name in ("vertices", "faces"):
         if not hasattr(source, name):
             kind = type(source).__name__
-            raise TypeError(f"source is of type {kind}, without {name}: it must be a mesh with vertices (V, 3) and faces (T, 3).")
+            hint = " Use one solid for each mesh of source.dump()." if hasattr(source, "geometry") else ""
+            raise TypeError(f"source is of type {kind}, without {name}: it must be a mesh with vertices (V, 3) and faces (T, 3).{hint}")
     vertices: ArrayLike = source.vertices
     faces: ArrayLike = source.faces
-    return mesh(vertices, faces)
+    solid = mesh(vertices, faces)
+    *_, summary, is_sound = Mesh(np.asarray(vertices, np.float64), np.asarray(faces, np.uint32))._defects()
+    if not is_sound:
+        warnings.warn(
+            f"the solid within the mesh is ambiguous ({summary}): a point is inside if a ray from it crosses the mesh an odd number of "
+            "times. For the union of parts that overlap, use rw.union(rw.from_trimesh(part) for part in mesh.split()).",
+            stacklevel=2,
+        )
+    return solid
 
 
 def load_mesh(

@@ -97,6 +97,10 @@ def section(
     if point is not None and normal is None:
         raise _core.RayweaveError("point is given without normal: a plane needs both. Pass normal, too.")
     origin = [0.0, 0.0, 0.0] if point is None else _vector(point, "point")
+    if not isinstance(plane, str):
+        raise TypeError(
+            f'plane is {plane!r}: it must be a text, such as "xy" or "z=0.5". For a plane through a point, pass point and normal.'
+        )
     found = _core.section_list(
         subject,
         plane,
