@@ -150,6 +150,21 @@ fn quadrics_with_other_axes_are_one() {
     }
 }
 
+/// Far from the origin the radii of equal spheres may differ by the tolerance of a length there, also if one of them is a quadric.
+#[test]
+fn a_sphere_as_a_quadric_has_the_tolerance_of_spheres() {
+    let at = |surface: Surface| {
+        surface.transformed(&Transform::from_affine(Affine::translate(1e3 * Vec3::X)).unwrap())
+    };
+    let ball = |radius: f64| at(Surface::sphere(Vec3::ZERO, radius));
+    let matrix = Mat3::from_diagonal(Vec3::ONE);
+    let quadric = at(Surface::quadric_about(Vec3::ZERO, matrix, Vec3::ZERO, -1e-6));
+    let balls = [ball(1e-3), ball(1e-3 + 6e-12), ball(1e-3 + 12e-12)];
+    assert_eq!(share(&with_magnitude(&balls)).unwrap().representative, [0, 0, 0]);
+    let all = [quadric, ball(1e-3), ball(1e-3 + 6e-12), ball(1e-3 + 12e-12)];
+    assert_eq!(share(&with_magnitude(&all)).unwrap().representative, [1, 1, 1, 1]);
+}
+
 #[test]
 fn quadrics_that_differ_in_one_axis_or_weight_stay_apart() {
     let [x, _, z] = Vec3::AXES;

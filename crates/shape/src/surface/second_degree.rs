@@ -19,6 +19,8 @@ pub(super) struct Equation {
     quadric: Quadric,
     /// The entries xx, yy, zz, xy, xz, yz of `sum w_k e_k e_k^T`.
     matrix: [f64; 6],
+    /// True if the surface may be a sphere, a circular cylinder or a cone.
+    pub is_round: bool,
 }
 
 impl Equation {
@@ -46,18 +48,7 @@ impl Equation {
             |i: usize, j: usize, k: usize| quadric.weights[k] * quadric.axes[k][i] * quadric.axes[k][j];
         let entry = |(i, j)| term(i, j, 0) + term(i, j, 1) + term(i, j, 2);
         let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
-        Some(Equation { quadric, matrix: pairs.map(entry) })
-    }
-
-    /// True if the surface may be a sphere, a circular cylinder or a cone.
-    pub fn may_be_round(&self) -> bool {
-        let Quadric { weights, linear, constant, .. } = self.quadric;
-        let is_equal = |i: usize, j: usize| (weights[i] - weights[j]).abs() <= TOLERANCE * weights[i].abs();
-        let is_round = |i: usize, j: usize, k: usize| {
-            let last = weights[k];
-            is_equal(i, j) && (is_equal(i, k) || last == 0.0 || (constant == 0.0 && last * weights[i] < 0.0))
-        };
-        linear == Vec3::ZERO && (is_round(0, 1, 2) || is_round(0, 2, 1) || is_round(1, 2, 0))
+        Some(Equation { quadric, matrix: pairs.map(entry), is_round: is_round(&quadric) })
     }
 
     /// The sum of the weights; its sign tells an equation from its negative unless it is 0.
@@ -76,6 +67,11 @@ impl Equation {
             // at most three times the tolerance, by `has_axes_of` for two coordinate axes, and rounding
             3..9 => (sign * self.matrix[k - 3], 4.0 * TOLERANCE),
             9..12 => (sign * linear[k - 9], TOLERANCE * linear.length()),
+            // of a sphere or cylinder minus the square of its radius, a length
+            _ if self.is_round => {
+                let radius = constant.abs().sqrt();
+                (sign * constant, 2.0 * TOLERANCE * radius * magnitude.max(radius))
+            }
             _ => (sign * constant, TOLERANCE * constant.abs()),
         }
     }
@@ -99,6 +95,17 @@ impl Equation {
         let twice = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0];
         (0..6).map(|k| twice[k] * self.matrix[k] * other.matrix[k]).sum::<f64>() < 0.0
     }
+}
+
+/// True if two weights are equal, and the third one is equal to them, is 0 or makes a cone.
+fn is_round(quadric: &Quadric) -> bool {
+    let Quadric { weights, linear, constant, .. } = *quadric;
+    let is_equal = |i: usize, j: usize| (weights[i] - weights[j]).abs() <= TOLERANCE * weights[i].abs();
+    let has_axis = |i: usize, j: usize, k: usize| {
+        let last = weights[k];
+        is_equal(i, j) && (is_equal(i, k) || last == 0.0 || (constant == 0.0 && last * weights[i] < 0.0))
+    };
+    linear == Vec3::ZERO && (has_axis(0, 1, 2) || has_axis(0, 2, 1) || has_axis(1, 2, 0))
 }
 
 /// The centre without its components along the directions in which the surface does not change: those of weight 0 that are

@@ -82,7 +82,7 @@ fn candidates<'a>(surfaces: impl Iterator<Item = (&'a Surface, f64)>) -> Vec<Can
         .map(|(surface, magnitude)| {
             let is_quadric = matches!(surface, Surface::Quadric(_));
             let equation = is_quadric.then(|| Equation::new(surface)).flatten().map(Box::new);
-            any_is_round |= equation.as_ref().is_some_and(|equation| equation.may_be_round());
+            any_is_round |= equation.as_ref().is_some_and(|equation| equation.is_round);
             Candidate { surface, magnitude, equation }
         })
         .collect();
