@@ -597,6 +597,36 @@ fn an_edge_met_while_grazing(bench: &Bench) {
     }
 }
 
+/// The same where the steep face is one of two crossing planes, `y z = 0`, and the ray lies in the other one: it crosses that face
+/// where `w . grad f` changes its sign, and is torn only if it is torn by a half-space instead of the pair of planes.
+fn an_edge_met_while_grazing_in_one_of_two_planes(bench: &Bench) {
+    let rows = [[0.0; 4], [0.0, 0.0, 0.5, 0.0], [0.0, 0.5, 0.0, 0.0], [0.0; 4]];
+    let planes = made("quadric", &[("matrix", rows.as_slice().into())]);
+    let prism = shape("prism", &[("sides", 4.0), ("radius", 1.0), ("height", 1.0)]);
+    let [by_planes, by_half_space] = [&prism | &planes, &prism | half_space([0.0, 0.0, 1.0], 0.0)];
+    let mut torn = 0;
+    for k in 1..400 {
+        let slope = f64::from(k) * 2f64.powi(-15);
+        let ray = Ray::new(Vec3::new(slope - 1.0, 0.0, 1.0), Vec3::new(-slope, 0.0, -1.0));
+        let [found, expected] = [&by_planes, &by_half_space].map(|solid| bench.trace(solid, ray));
+        assert_eq!(found.starts[0], RegionId(0));
+        let times: Vec<f64> = found.crossings.iter().map(|c| c.t).collect();
+        match times[..] {
+            [t] => assert!((t - 0.5).abs() < 1e-13, "slope {slope}: {times:?}"),
+            [first, leave, enter] => {
+                assert!((first - 0.5).abs() < 1e-13, "slope {slope}: {times:?}");
+                assert_eq!(expected.crossings.len(), 3, "slope {slope}: {times:?}");
+                let delta = 64.0 * UNIT_ROUNDOFF * 4.0;
+                assert!((leave - 1.0).abs() <= delta / slope && (enter - 1.0).abs() <= delta, "{times:?}");
+                torn += 1;
+            }
+            _ => panic!("slope {slope}: {times:?}"),
+        }
+    }
+    // of 399; if there were none, the documented guarantee could be stronger
+    assert!((1..=200).contains(&torn), "{torn}");
+}
+
 /// Two media that share a face, hit at angles down to 1e-12: one crossing from one into the other, no gap.
 fn cemented_faces_at_grazing_angles(bench: &Bench) {
     let regions = |frame: &Affine| {
@@ -867,6 +897,7 @@ bank! {
         pins_in_stretched_tubes
         changes_that_take_two_events
         an_edge_met_while_grazing
+        an_edge_met_while_grazing_in_one_of_two_planes
         lone_planes_through_the_origin
         cemented_faces_at_grazing_angles
         flush_regions_of_one_medium
