@@ -51,7 +51,7 @@ impl Equation {
         Some(Equation { quadric, matrix: pairs.map(entry), is_round: is_round(&quadric) })
     }
 
-    /// The sum of the weights; its sign tells an equation from its negative unless it is 0.
+    /// The sum of the weights; its sign distinguishes an equation from its negative unless it is 0.
     pub fn trace(&self) -> f64 {
         self.quadric.weights.element_sum()
     }

@@ -159,7 +159,7 @@ fn sense(surface: &Surface) -> Option<Vec3> {
     }
 }
 
-/// A kind of surface. Only surfaces of one kind are compared, and as quadrics all whose equation is known.
+/// A kind of surface. Only surfaces of one kind are compared; every [`Candidate`] with an equation counts as a quadric, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Plane,
