@@ -81,6 +81,112 @@ fn planes_and_axes_of_either_sense_are_one() {
     }
 }
 
+/// `sum weights_k x_k^2 + slope z + constant < 0`, turned about an axis.
+fn conic(weights: [f64; 3], slope: f64, constant: f64, axis: Vec3, degrees: f64) -> Surface {
+    let matrix = Mat3::from_diagonal(weights.into());
+    let turn = Transform::from_affine(Affine::rotation(axis, degrees)).unwrap();
+    Surface::quadric_about(Vec3::ZERO, matrix, slope * Vec3::Z, constant).transformed(&turn)
+}
+
+/// Pairs of descriptions of one surface, and whether the equations have opposite signs.
+fn one_surface_two_ways() -> Vec<(Surface, Surface, bool)> {
+    let [x, y, z] = Vec3::AXES;
+    let plain = |weights, slope, constant| conic(weights, slope, constant, z, 0.0);
+    vec![
+        // ellipsoids with three, two and no different half axes, thin and flat ones
+        (plain([1.0, 0.5, 0.25], 0.0, -1.0), conic([0.5, 1.0, 0.25], 0.0, -1.0, z, 90.0), false),
+        (plain([1.0, 0.5, 0.25], 0.0, -1.0), conic([0.5, 0.25, 1.0], 0.0, -1.0, Vec3::ONE, 120.0), false),
+        (plain([1.0, 0.5, 0.25], 0.0, -1.0), conic([1.0, 0.5, 0.25], 0.0, -1.0, y, 180.0), false),
+        (plain([1.0, 1.0, 0.25], 0.0, -1.0), conic([1.0, 1.0, 0.25], 0.0, -1.0, z, 33.0), false),
+        (plain([1e-12, 1e-12, 1.0], 0.0, -1.0), conic([1e-12, 1e-12, 1.0], 0.0, -1.0, z, 33.0), false),
+        (plain([1.0, 1.0, 1e-12], 0.0, -1.0), conic([1.0, 1.0, 1e-12], 0.0, -1.0, z, 33.0), false),
+        (Surface::sphere(Vec3::ZERO, 0.5), conic([1.0, 1.0, 1.0], 0.0, -0.25, Vec3::ONE, 33.0), false),
+        (Surface::sphere(Vec3::ZERO, 0.5), plain([-4.0, -4.0, -4.0], 0.0, 1.0), true),
+        // hyperboloids, cones, pairs of planes, saddles: also with the negative equation
+        (plain([1.0, 1.0, -0.5], 0.0, -1.0), conic([1.0, 1.0, -0.5], 0.0, -1.0, z, 33.0), false),
+        (plain([1.0, 1.0, -0.5], 0.0, -1.0), plain([-2.0, -2.0, 1.0], 0.0, 2.0), true),
+        (plain([1.0, 1.0, -1.0], 0.0, 0.0), conic([-1.0, -1.0, 1.0], 0.0, 0.0, z, 33.0), true),
+        (Surface::cone(Vec3::ZERO, -z, 0.5), conic([1.0, 1.0, -0.25], 0.0, 0.0, z, 33.0), false),
+        (Surface::cone(Vec3::ZERO, z, 2.0), conic([-0.25, -0.25, 1.0], 0.0, 0.0, z, 33.0), true),
+        (Surface::cone(Vec3::ZERO, z, 2f64.sqrt()), conic([0.5, 0.5, -1.0], 0.0, 0.0, z, 33.0), false),
+        (plain([1.0, -1.0, 0.0], 0.0, 0.0), conic([1.0, -1.0, 0.0], 0.0, 0.0, z, 90.0), true),
+        (plain([1.0, -1.0, 0.0], 0.0, 0.0), conic([-1.0, 1.0, 0.0], 0.0, 0.0, z, 90.0), false),
+        (plain([1.0, -1.0, 0.0], 1.0, 0.0), conic([1.0, -1.0, 0.0], 1.0, 0.0, z, 180.0), false),
+        (plain([1.0, -1.0, 0.0], 1.0, 0.0), conic([1.0, -1.0, 0.0], 1.0, 0.0, x + y, 180.0), true),
+        // cylinders and paraboloids
+        (Surface::cylinder(Vec3::ZERO, z, 0.5), conic([1.0, 1.0, 0.0], 0.0, -0.25, z, 33.0), false),
+        (plain([1.0, 0.5, 0.0], 0.0, -1.0), conic([0.5, 1.0, 0.0], 0.0, -1.0, z, 90.0), false),
+        (plain([1.0, 1.0, 0.0], -0.5, 0.0), conic([1.0, 1.0, 0.0], -0.5, 0.0, z, 33.0), false),
+        (plain([1.0, 0.0, 0.0], 0.0, -1.0), conic([1.0, 0.0, 0.0], 0.0, -1.0, x, 33.0), false),
+        (plain([1.0, 0.0, 0.0], -0.5, 0.0), conic([1.0, 0.0, 0.0], -0.5, 0.0, z, 180.0), false),
+    ]
+}
+
+/// However the axes of a quadric are chosen, it is one surface; the representative does not depend on the order.
+#[test]
+fn quadrics_with_other_axes_are_one() {
+    let mut rng = rng(54);
+    for (k, (first, second, is_negative)) in one_surface_two_ways().into_iter().enumerate() {
+        for _ in 0..50 {
+            let (axis, degrees) = (unit_vector(&mut rng), rng.random_range(-180.0..180.0));
+            let turn = Affine::rotation(axis, degrees).then(&Affine::translate(3.0 * unit_vector(&mut rng)));
+            let turn = Transform::from_affine(turn).unwrap();
+            let both = [first.transformed(&turn), second.transformed(&turn)];
+            let shared = share(&with_magnitude(&both)).unwrap();
+            let chosen = shared.representative[0];
+            assert_eq!(chosen, shared.representative[1], "pair {k}: {both:?}");
+            assert_eq!(shared.flipped[0] ^ shared.flipped[1], is_negative, "pair {k}: {both:?}");
+            assert!(!shared.flipped[chosen as usize]);
+            let [a, b] = both;
+            let again = share(&with_magnitude(&[b, a])).unwrap();
+            assert_eq!(again.representative, [1 - chosen; 2]);
+            // the values of f have the same sign, or the opposite one
+            for _ in 0..20 {
+                let point = 3.0 * unit_vector(&mut rng);
+                let [a, b] = [&first, &second].map(|surface| surface.value_and_gradient(point).0);
+                assert!(a.abs() < 1e-12 || ((a < 0.0) != (b < 0.0)) == is_negative, "pair {k} at {point}");
+            }
+        }
+    }
+}
+
+/// Far from the origin the radii of equal spheres may differ by the tolerance of a length there, also if one of them is a quadric.
+#[test]
+fn a_sphere_as_a_quadric_has_the_tolerance_of_spheres() {
+    let at = |surface: Surface| {
+        surface.transformed(&Transform::from_affine(Affine::translate(1e3 * Vec3::X)).unwrap())
+    };
+    let ball = |radius: f64| at(Surface::sphere(Vec3::ZERO, radius));
+    let matrix = Mat3::from_diagonal(Vec3::ONE);
+    let quadric = at(Surface::quadric_about(Vec3::ZERO, matrix, Vec3::ZERO, -1e-6));
+    let balls = [ball(1e-3), ball(1e-3 + 6e-12), ball(1e-3 + 12e-12)];
+    assert_eq!(share(&with_magnitude(&balls)).unwrap().representative, [0, 0, 0]);
+    let all = [quadric, ball(1e-3), ball(1e-3 + 6e-12), ball(1e-3 + 12e-12)];
+    assert_eq!(share(&with_magnitude(&all)).unwrap().representative, [1, 1, 1, 1]);
+}
+
+#[test]
+fn quadrics_that_differ_in_one_axis_or_weight_stay_apart() {
+    let [x, _, z] = Vec3::AXES;
+    let pairs = [
+        ([1.0, 0.5, 0.25], [1.0, 0.5, 0.25], z, 90.0),
+        ([1.0, 0.5, 0.25], [1.0, 0.5, 0.25], z, 1e-10),
+        ([1.0, 0.5, 0.25], [1.0, 0.5 + 1e-13, 0.25], z, 0.0),
+        // the matrices are equal to 1e-20
+        ([1e-20, 2e-20, 1.0], [1e-20, 2e-20, 1.0], z, 90.0),
+        ([1e-20, 2e-20, 1.0], [1e-20, 2.0001e-20, 1.0], z, 0.0),
+        ([1.0, 1.0, 1e-20], [1.0, 1.0, 2e-20], z, 0.0),
+        ([1.0, 1.0, 1e-20], [1.0, 1.0, 1e-20], x, 1e-10),
+        ([1.0, 1.0, 0.0], [1.0, 1.0, 1e-20], z, 0.0),
+        ([1.0, -1.0, 0.0], [1.0, -1.0, 0.0], z, 45.0),
+    ];
+    for (weights, others, axis, degrees) in pairs {
+        let both = [conic(weights, 0.0, -1.0, axis, 0.0), conic(others, 0.0, -1.0, axis, degrees)];
+        let shared = share(&with_magnitude(&both)).unwrap();
+        assert_eq!(shared.representative, [0, 1], "{both:?}");
+    }
+}
+
 #[test]
 fn what_differs_by_more_than_the_tolerance_stays_apart() {
     let base = kinds(Vec3::X, Vec3::new(0.6, 0.0, 0.8));

@@ -55,12 +55,13 @@ fn points() {
 /// Models of the long form on which engine and oracle once differed: parts placed far from the origin with rays near
 /// their faces, cones and crossing planes with rays through the singular point, boundary events that change the result
 /// only together, a stretched tube and a pin, crossings near ties and points of tangency, rays nearly along infinite
-/// cylinders.
+/// cylinders, equal ellipsoids with other axes, a grazed edge in one of two crossing planes.
 #[test]
 fn planted_coincidences_that_were_wrong_once() {
     let seeds = [
         4599, 7260, 8002, 11731, 12007, 23972, 26017, 36059, 36742, 44966, 59295, 67026, 69044, 101_429,
         107_824, 121_913, 123_821, 125_825, 126_583, 154_945, 157_042, 159_435, 169_340, 192_450, 196_390,
+        2_081_752, 3_063_006,
     ];
     for seed in seeds {
         exact::planted(&evaluators(), seed..seed + 1).finish("planted", 20);

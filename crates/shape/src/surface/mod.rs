@@ -22,6 +22,7 @@ mod plane;
 mod quadric;
 mod ranges;
 pub mod sag;
+mod second_degree;
 mod share;
 mod sphere;
 mod tolerance;

@@ -68,6 +68,13 @@ impl Quadric {
         }
     }
 
+    /// All numbers: centre, axes, weights, linear part, constant.
+    pub(super) fn numbers(&self) -> [f64; 19] {
+        let [x, y, z] = self.axes;
+        let vectors = [self.centre, x, y, z, self.weights, self.linear];
+        std::array::from_fn(|k| if k < 18 { vectors[k / 3][k % 3] } else { self.constant })
+    }
+
     pub(super) fn is_finite(&self) -> bool {
         self.centre.is_finite()
             && self.axes.iter().all(|e| e.is_finite())

@@ -6,8 +6,9 @@
 //!
 //! Two surfaces of the same kind are equal if all their parameters are: components of unit vectors within 64 u, lengths
 //! within 64 u times the larger magnitude of the two, factors within 64 u relative; axes and planes in either sense.
-//! Affine images of tori must have equal parameters. Objects are equal if their forms are bit-identical and their
-//! placements equal within these tolerances.
+//! Quadrics are equal if their equations are, however their axes are chosen and up to sign, also to spheres, cylinders and
+//! cones (`second_degree.rs`). Affine images of tori must have equal parameters. Objects are equal if their forms are
+//! bit-identical and their placements equal within these tolerances.
 //!
 //! *Method*: a sorted sweep. The surfaces of one kind are sorted by one parameter and cut wherever neighbours differ by
 //! more than the tolerance; each part is sorted by the next parameter, until no parameter cuts it. (Hashing of rounded
@@ -15,8 +16,9 @@
 //! than the tolerance in every parameter, and is one class; in other parts all pairs are compared and joined (union-find).
 //! The cost is O(n log n) for n surfaces unless many of them form a chain wider than the tolerance.
 
-use super::{Plane, Quadric, Surface};
-use rayweave_math::{UNIT_ROUNDOFF, Vec3};
+use super::second_degree::{Equation, TOLERANCE};
+use super::{Plane, Surface};
+use rayweave_math::Vec3;
 use std::borrow::Borrow;
 use std::cmp::Ordering;
 
@@ -25,7 +27,8 @@ use std::cmp::Ordering;
 pub struct Shared {
     /// Index of the representative of each surface: the smallest member of its class in the total order of bits.
     pub representative: Vec<u32>,
-    /// True if f of the surface has the opposite sign of that of the representative: a plane with the opposite normal.
+    /// True if f of the surface has the opposite sign of that of the representative: a plane with the opposite normal, a quadric
+    /// with the negative matrix.
     pub flipped: Vec<bool>,
 }
 
@@ -52,28 +55,48 @@ impl std::fmt::Display for WideClass {
 
 impl std::error::Error for WideClass {}
 
-const TOLERANCE: f64 = 64.0 * UNIT_ROUNDOFF;
+/// A surface to compare, with its magnitude bound.
+struct Candidate<'a> {
+    surface: &'a Surface,
+    magnitude: f64,
+    /// The equation of a quadric and, if some quadric may be round, of every surface of degree 2.
+    equation: Option<Box<Equation>>,
+}
 
 /// Finds equal surfaces. Each comes with its magnitude bound: its own or, better, one that includes the
 /// composed translations. At most `u32::MAX` surfaces.
 pub fn share<S: Borrow<Surface>>(surfaces: &[(S, f64)]) -> Result<Shared, WideClass> {
-    let surfaces: &[(&Surface, f64)] =
-        &surfaces.iter().map(|(s, magnitude)| (s.borrow(), *magnitude)).collect::<Vec<_>>();
-    let entries = entries(surfaces);
+    let surfaces = &candidates(surfaces.iter().map(|(s, magnitude)| (s.borrow(), *magnitude)));
     let mut classes = Classes::new(surfaces.len());
     for kind in Kind::ALL {
-        let of_kind = entries.iter().filter(|e| Kind::of(surfaces[e.index()].0) == kind);
-        let part: Vec<Entry> = of_kind.copied().collect();
-        for part in by_form(surfaces, part) {
+        for part in by_form(surfaces, entries(surfaces, kind)) {
             sweep(surfaces, kind, part, &mut classes);
         }
     }
     classes.into_shared(surfaces)
 }
 
+fn candidates<'a>(surfaces: impl Iterator<Item = (&'a Surface, f64)>) -> Vec<Candidate<'a>> {
+    let mut any_is_round = false;
+    let mut candidates: Vec<Candidate> = surfaces
+        .map(|(surface, magnitude)| {
+            let is_quadric = matches!(surface, Surface::Quadric(_));
+            let equation = is_quadric.then(|| Equation::new(surface)).flatten().map(Box::new);
+            any_is_round |= equation.as_ref().is_some_and(|equation| equation.is_round);
+            Candidate { surface, magnitude, equation }
+        })
+        .collect();
+    if any_is_round {
+        for candidate in candidates.iter_mut().filter(|candidate| candidate.equation.is_none()) {
+            candidate.equation = Equation::new(candidate.surface).map(Box::new);
+        }
+    }
+    candidates
+}
+
 /// Splits entries of one kind by properties without a tolerance: the forms of objects.
-fn by_form(surfaces: &[(&Surface, f64)], mut entries: Vec<Entry>) -> Vec<Vec<Entry>> {
-    let object = |entry: &Entry| match surfaces[entry.index()].0 {
+fn by_form(surfaces: &[Candidate], mut entries: Vec<Entry>) -> Vec<Vec<Entry>> {
+    let object = |entry: &Entry| match surfaces[entry.index()].surface {
         Surface::Object(object) => Some(object),
         _ => None,
     };
@@ -83,7 +106,7 @@ fn by_form(surfaces: &[(&Surface, f64)], mut entries: Vec<Entry>) -> Vec<Vec<Ent
     entries.chunk_by(is_same).map(<[Entry]>::to_vec).collect()
 }
 
-/// A surface, possibly with all its unit vectors reversed.
+/// A surface, possibly with all its unit vectors reversed; a quadric possibly with the sign of its equation reversed.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     index: u32,
@@ -94,14 +117,24 @@ impl Entry {
     fn index(&self) -> usize {
         self.index as usize
     }
+
+    fn sign(&self) -> f64 {
+        if self.reversed { -1.0 } else { 1.0 }
+    }
 }
 
-/// Each surface in the sense for which its vector points along a fixed direction; in both senses if it is perpendicular to
-/// that direction within the tolerance.
-fn entries(surfaces: &[(&Surface, f64)]) -> Vec<Entry> {
-    let mut entries = Vec::with_capacity(surfaces.len());
-    for (index, (surface, _)) in surfaces.iter().enumerate() {
-        let along = sense(surface).map_or(1.0, |v| v.dot(SENSE));
+/// Each surface of a kind in the sense for which its vector points along a fixed direction or the trace of its equation is
+/// positive; in both senses if the vector is perpendicular to that direction, or the trace is 0, within the tolerance.
+fn entries(surfaces: &[Candidate], kind: Kind) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    for (index, candidate) in surfaces.iter().enumerate() {
+        let along = match (&candidate.equation, kind) {
+            (Some(equation), Kind::Quadric) => equation.trace(),
+            _ if Kind::of(candidate.surface) == kind => {
+                sense(candidate.surface).map_or(1.0, |v| v.dot(SENSE))
+            }
+            _ => continue,
+        };
         for reversed in [false, true] {
             let along = if reversed { -along } else { along };
             if along > -1e-12 {
@@ -126,8 +159,8 @@ fn sense(surface: &Surface) -> Option<Vec3> {
     }
 }
 
-/// A kind of surface; only surfaces of one kind are compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A kind of surface. Only surfaces of one kind are compared; every [`Candidate`] with an equation counts as a quadric, too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Plane,
     Sphere,
@@ -170,16 +203,24 @@ impl Kind {
             Kind::Plane | Kind::Sphere => 4,
             Kind::Cylinder | Kind::Cone => 7,
             Kind::Torus => 8,
-            Kind::Quadric => 19,
+            Kind::Quadric => Equation::NUMBERS,
             Kind::AffineTorus => 17,
             Kind::Object => 12,
         }
     }
 }
 
-/// Parameter `k` of a surface, with the tolerance for equality.
-fn number(surface: &Surface, magnitude: f64, reversed: bool, k: usize) -> (f64, f64) {
-    let sign = if reversed { -1.0 } else { 1.0 };
+/// Parameter `k` of an entry as a surface of a kind, with the tolerance for equality.
+fn number(surfaces: &[Candidate], kind: Kind, entry: &Entry, k: usize) -> (f64, f64) {
+    let &Candidate { surface, magnitude, ref equation } = &surfaces[entry.index()];
+    match (equation, kind) {
+        (Some(equation), Kind::Quadric) => equation.number(magnitude, entry.sign(), k),
+        _ => own_number(surface, magnitude, entry.sign(), k),
+    }
+}
+
+/// Parameter `k` of a surface as one of its own kind, with its vectors times `sign`.
+fn own_number(surface: &Surface, magnitude: f64, sign: f64, k: usize) -> (f64, f64) {
     let length = |x: f64| (x, TOLERANCE * magnitude);
     let unit = |x: f64| (sign * x, TOLERANCE);
     match surface {
@@ -198,13 +239,8 @@ fn number(surface: &Surface, magnitude: f64, reversed: bool, k: usize) -> (f64, 
             // tolerance as an angle
             _ => (s.slope, TOLERANCE * (1.0 + s.slope * s.slope)),
         },
-        Surface::Quadric(s) => match k {
-            0..3 => length(nearest_centre(s)[k]),
-            3..12 => (s.axes[(k - 3) / 3][k % 3], TOLERANCE),
-            12..15 => relative(s.weights[k - 12]),
-            15..18 => (s.linear[k - 15], TOLERANCE * s.linear.length()),
-            _ => relative(s.constant),
-        },
+        // compared as equations
+        Surface::Quadric(s) => (s.numbers()[k], 0.0),
         Surface::Torus(s) => match k {
             0..3 => length(s.centre[k]),
             3..6 => unit(s.axis[k - 3]),
@@ -230,22 +266,6 @@ fn number(surface: &Surface, magnitude: f64, reversed: bool, k: usize) -> (f64, 
     }
 }
 
-/// The centre of a quadric, moved along the axes in whose direction the surface does not change to the point nearest to the origin:
-/// a hyperbolic cylinder that is moved along itself is the same surface.
-fn nearest_centre(quadric: &Quadric) -> Vec3 {
-    let along = |k: usize| {
-        let axis = quadric.axes[k];
-        let is_free = quadric.weights[k] == 0.0
-            && axis.dot(quadric.linear).abs() <= TOLERANCE * quadric.linear.length();
-        if is_free { quadric.centre.dot(axis) * axis } else { Vec3::ZERO }
-    };
-    quadric.centre - along(0) - along(1) - along(2)
-}
-
-fn relative(x: f64) -> (f64, f64) {
-    (x, TOLERANCE * x.abs())
-}
-
 /// Entries from `first` to `last`, which the `uncut` parameters before `next` did not cut.
 struct Part {
     first: usize,
@@ -255,7 +275,7 @@ struct Part {
 }
 
 /// Cuts the entries of one kind until no parameter cuts them, and joins the parts.
-fn sweep(surfaces: &[(&Surface, f64)], kind: Kind, mut entries: Vec<Entry>, classes: &mut Classes) {
+fn sweep(surfaces: &[Candidate], kind: Kind, mut entries: Vec<Entry>, classes: &mut Classes) {
     let numbers = kind.numbers();
     let whole = Part { first: 0, last: entries.len(), next: 0, uncut: 0 };
     let mut parts = vec![whole];
@@ -270,10 +290,10 @@ fn sweep(surfaces: &[(&Surface, f64)], kind: Kind, mut entries: Vec<Entry>, clas
             continue;
         }
         if part.uncut == numbers {
-            join(surfaces, numbers, slice, classes);
+            join(surfaces, kind, slice, classes);
             continue;
         }
-        sort_by_number(surfaces, slice, part.next, &mut keyed);
+        sort_by_number(surfaces, kind, slice, part.next, &mut keyed);
         let next = (part.next + 1) % numbers;
         let mut first = part.first;
         for cut in cuts(&keyed).map(|k| part.first + k) {
@@ -286,22 +306,27 @@ fn sweep(surfaces: &[(&Surface, f64)], kind: Kind, mut entries: Vec<Entry>, clas
 }
 
 /// True if all entries are bit-identical: copies of one face, which are common in large models.
-fn are_same_bits(surfaces: &[(&Surface, f64)], entries: &[Entry]) -> bool {
+fn are_same_bits(surfaces: &[Candidate], entries: &[Entry]) -> bool {
     let (first, rest) = (&entries[0], &entries[1..]);
     rest.iter().all(|entry| {
         entry.reversed == first.reversed
-            && by_bits(surfaces[entry.index()].0, surfaces[first.index()].0).is_eq()
+            && by_bits(surfaces[entry.index()].surface, surfaces[first.index()].surface).is_eq()
     })
 }
 
 /// An entry with one of its parameters and the tolerance.
 type Keyed = (f64, f64, Entry);
 
-fn sort_by_number(surfaces: &[(&Surface, f64)], entries: &mut [Entry], k: usize, keyed: &mut Vec<Keyed>) {
+fn sort_by_number(
+    surfaces: &[Candidate],
+    kind: Kind,
+    entries: &mut [Entry],
+    k: usize,
+    keyed: &mut Vec<Keyed>,
+) {
     keyed.clear();
     keyed.extend(entries.iter().map(|e| {
-        let (surface, magnitude) = &surfaces[e.index()];
-        let (value, tolerance) = number(surface, *magnitude, e.reversed, k);
+        let (value, tolerance) = number(surfaces, kind, e, k);
         (value, tolerance, *e)
     }));
     keyed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
@@ -320,11 +345,16 @@ fn cuts(keyed: &[Keyed]) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Joins the entries of an uncut part: all of them if it is narrow, else all equal pairs.
-fn join(surfaces: &[(&Surface, f64)], numbers: usize, part: &mut [Entry], classes: &mut Classes) {
-    let widths = (0..numbers).map(|k| width(surfaces, part, k));
+/// Joins the entries of an uncut part: all of them if it is narrow or, of quadrics, if all are equal to the first; else all
+/// equal pairs.
+fn join(surfaces: &[Candidate], kind: Kind, part: &mut [Entry], classes: &mut Classes) {
+    let widths = (0..kind.numbers()).map(|k| width(surfaces, kind, part, k));
     let widest = widths.max_by(|a, b| a.in_smallest().total_cmp(&b.in_smallest()));
-    if widest.as_ref().is_none_or(|w| w.in_smallest() <= 1.0) {
+    let is_one_class = match kind {
+        Kind::Quadric => part[1..].iter().all(|entry| equal(surfaces, kind, &part[0], entry)),
+        _ => widest.as_ref().is_none_or(|w| w.in_smallest() <= 1.0),
+    };
+    if is_one_class {
         for entry in &part[1..] {
             classes.union(part[0].index, entry.index);
         }
@@ -332,28 +362,31 @@ fn join(surfaces: &[(&Surface, f64)], numbers: usize, part: &mut [Entry], classe
     }
     let widest = widest.map_or(0, |w| w.number);
     let mut keyed = Vec::new();
-    sort_by_number(surfaces, part, widest, &mut keyed);
+    sort_by_number(surfaces, kind, part, widest, &mut keyed);
     for (k, a) in keyed.iter().enumerate() {
         for b in &keyed[k + 1..] {
             if b.0 - a.0 > a.1 + b.1 {
                 break;
             }
-            if equal(surfaces, numbers, &a.2, &b.2) {
+            if equal(surfaces, kind, &a.2, &b.2) {
                 classes.union(a.2.index, b.2.index);
             }
         }
     }
 }
 
-fn equal(surfaces: &[(&Surface, f64)], numbers: usize, a: &Entry, b: &Entry) -> bool {
-    let of = |e: &Entry, k: usize| {
-        let (surface, magnitude) = &surfaces[e.index()];
-        number(surface, *magnitude, e.reversed, k)
-    };
-    (0..numbers).all(|k| {
-        let ((a, a_tolerance), (b, b_tolerance)) = (of(a, k), of(b, k));
-        (a - b).abs() <= a_tolerance.max(b_tolerance)
-    })
+fn equal(surfaces: &[Candidate], kind: Kind, a: &Entry, b: &Entry) -> bool {
+    let has_equal_numbers = (0..kind.numbers()).all(|k| {
+        let ((x, x_tolerance), (y, y_tolerance)) =
+            (number(surfaces, kind, a, k), number(surfaces, kind, b, k));
+        (x - y).abs() <= x_tolerance.max(y_tolerance)
+    });
+    let [first, second] = [a, b].map(|entry| surfaces[entry.index()].equation.as_ref());
+    has_equal_numbers
+        && match (kind, first.zip(second)) {
+            (Kind::Quadric, Some((first, second))) => first.has_axes_of(second, a.sign() * b.sign()),
+            _ => true,
+        }
 }
 
 /// Range of one parameter in a set of entries.
@@ -383,7 +416,7 @@ impl Width {
     }
 }
 
-fn width(surfaces: &[(&Surface, f64)], entries: &[Entry], k: usize) -> Width {
+fn width(surfaces: &[Candidate], kind: Kind, entries: &[Entry], k: usize) -> Width {
     let mut width = Width {
         number: k,
         lo: (f64::INFINITY, 0),
@@ -391,8 +424,7 @@ fn width(surfaces: &[(&Surface, f64)], entries: &[Entry], k: usize) -> Width {
         tolerances: [f64::INFINITY, 0.0],
     };
     for entry in entries {
-        let (surface, magnitude) = &surfaces[entry.index()];
-        let (value, tolerance) = number(surface, *magnitude, entry.reversed, k);
+        let (value, tolerance) = number(surfaces, kind, entry, k);
         if value < width.lo.0 {
             width.lo = (value, entry.index());
         }
@@ -428,7 +460,7 @@ impl Classes {
         self.parent[a.max(b) as usize] = a.min(b);
     }
 
-    fn into_shared(mut self, surfaces: &[(&Surface, f64)]) -> Result<Shared, WideClass> {
+    fn into_shared(mut self, surfaces: &[Candidate]) -> Result<Shared, WideClass> {
         let count = surfaces.len() as u32;
         let mut members: Vec<(u32, u32)> = (0..count).map(|k| (self.root(k), k)).collect();
         members.sort_unstable();
@@ -441,12 +473,8 @@ impl Classes {
     }
 }
 
-fn add_class(
-    surfaces: &[(&Surface, f64)],
-    class: &[(u32, u32)],
-    shared: &mut Shared,
-) -> Result<(), WideClass> {
-    let surface = |k: u32| surfaces[k as usize].0;
+fn add_class(surfaces: &[Candidate], class: &[(u32, u32)], shared: &mut Shared) -> Result<(), WideClass> {
+    let surface = |k: u32| surfaces[k as usize].surface;
     let lowest = class[0].1;
     if class.iter().all(|&(_, k)| by_bits(surface(k), surface(lowest)).is_eq()) {
         class.iter().for_each(|&(_, k)| shared.representative[k as usize] = lowest);
@@ -457,35 +485,45 @@ fn add_class(
         .map(|&(_, k)| k)
         .reduce(|a, b| if by_bits(surface(b), surface(a)).is_lt() { b } else { a })
         .unwrap_or(0);
-    let against = sense(surface(chosen));
-    let turned = |k: u32| match (sense(surface(k)), against) {
-        (Some(v), Some(w)) => v.dot(w) < 0.0,
-        _ => false,
+    let kinds = class.iter().map(|&(_, k)| Kind::of(surface(k)));
+    let kind = if kinds.clone().any(|kind| kind == Kind::Quadric) {
+        Kind::Quadric
+    } else {
+        Kind::of(surface(chosen))
+    };
+    let equation = |k: u32| surfaces[k as usize].equation.as_ref().filter(|_| kind == Kind::Quadric);
+    let is_reversed = |k: u32| match equation(k).zip(equation(chosen)) {
+        Some((own, chosen)) => own.is_negative_of(chosen),
+        None => {
+            sense(surface(k)).zip(sense(surface(chosen))).is_some_and(|(own, chosen)| own.dot(chosen) < 0.0)
+        }
     };
     let entries: Vec<Entry> =
-        class.iter().map(|&(_, index)| Entry { index, reversed: turned(index) }).collect();
-    for k in 0..Kind::of(surface(chosen)).numbers() {
-        let width = width(surfaces, &entries, k);
+        class.iter().map(|&(_, index)| Entry { index, reversed: is_reversed(index) }).collect();
+    for k in 0..kind.numbers() {
+        let width = width(surfaces, kind, &entries, k);
         if width.in_largest() > 4.0 {
             return Err(WideClass { first: width.lo.1, second: width.hi.1 });
         }
     }
     for entry in entries {
         shared.representative[entry.index()] = chosen;
-        shared.flipped[entry.index()] = entry.reversed && matches!(surface(chosen), Surface::Plane(_));
+        shared.flipped[entry.index()] = entry.reversed && matches!(kind, Kind::Plane | Kind::Quadric);
     }
     Ok(())
 }
 
-/// The total order of the bits of two surfaces of one kind.
+/// The total order of two surfaces: by kind, and of one kind by their bits.
 fn by_bits(a: &Surface, b: &Surface) -> Ordering {
     match (a, b) {
         // explicit for speed: by far the most frequent kinds
         (Surface::Plane(a), Surface::Plane(b)) => {
             by_numbers(&a.normal.to_array(), &b.normal.to_array()).then(a.offset.total_cmp(&b.offset))
         }
+        (Surface::Quadric(a), Surface::Quadric(b)) => by_numbers(&a.numbers(), &b.numbers()),
+        _ if Kind::of(a) != Kind::of(b) => Kind::of(a).cmp(&Kind::of(b)),
         _ => (0..Kind::of(a).numbers())
-            .map(|k| number(a, 0.0, false, k).0.total_cmp(&number(b, 0.0, false, k).0))
+            .map(|k| own_number(a, 0.0, 1.0, k).0.total_cmp(&own_number(b, 0.0, 1.0, k).0))
             .find(|order| order.is_ne())
             .unwrap_or(Ordering::Equal),
     }
