@@ -21,7 +21,7 @@
 //! | type | boxes | queries | users |
 //! | --- | --- | --- | --- |
 //! | [`Bvh`] | `f32`, rounded outwards | rays in any order or [front to back](FrontToBack), boxes, nearest items | `trace`, `mesh` |
-//! | [`ExactBvh`] | `f64`, as given | a condition on boxes, in list order; [bundles of eight rays](BundleTraversal), [eight rays, each on its own](RayTraversals) | `trace`, `optics` |
+//! | [`ExactBvh`] | `f64`, as given | a condition on boxes, in list order; [bundles of eight rays](BundleTraversal), [eight rays, each on its own](RayTraversals), [many rays](RayStreams) | `trace`, `optics` |
 //!
 //! Both are a flat array of nodes in preorder; [`ExactBvh`] has the topology that the builder made for the other.
 //!
@@ -52,6 +52,7 @@
 //!   multi-branching BVHs", Interactive Ray Tracing 2008.
 //! - H. Dammertz, J. Hanika, A. Keller, "Shallow bounding volume hierarchies for fast SIMD ray tracing of
 //!   incoherent rays", Computer Graphics Forum 27 (2008).
+//! - C. Gribble, K. Ramani, "Coherent ray tracing via stream filtering", Interactive Ray Tracing 2008.
 
 mod build;
 mod bundle;
@@ -61,6 +62,7 @@ mod front;
 mod node;
 mod rays;
 mod slabs;
+mod streams;
 mod tree;
 
 pub use bundle::{Bundle, BundleSlabs, BundleTraversal, BundleWindow};
@@ -69,4 +71,5 @@ pub use frame::Probe;
 pub use front::FrontToBack;
 pub use node::WIDTH;
 pub use rays::{RayTraversals, SlabRay, SlabRays};
+pub use streams::{RayStreams, StreamPlace};
 pub use tree::Bvh;

@@ -135,11 +135,13 @@ impl RayTraversals {
 impl SlabRay {
     /// The entry times into the boxes of a node, grown by the margin, and a bit mask of the boxes that the ray passes.
     #[inline(always)]
-    fn enter<S: Simd>(&self, simd: S, node: &Node64, until: f64) -> (f64x8<S>, u64) {
+    pub(crate) fn enter<S: Simd>(&self, simd: S, node: &Node64, until: f64) -> (f64x8<S>, u64) {
         let (mut enter, mut leave) = (f64x8::splat(simd, self.from), f64x8::splat(simd, until));
         for k in 0..3 {
-            let [near, far] =
-                self.planes[k].map(|plane| f64x8::load_array_ref(simd, &node.planes[plane % 6].0));
+            // no `map`, whose closure would not be compiled for the instruction set
+            let [near, far] = self.planes[k];
+            let near = f64x8::load_array_ref(simd, &node.planes[near % 6].0);
+            let far = f64x8::load_array_ref(simd, &node.planes[far % 6].0);
             enter = enter.max((near - self.origin[k][0]) * self.inverse[k]);
             leave = leave.min((far - self.origin[k][1]) * self.inverse[k]);
         }

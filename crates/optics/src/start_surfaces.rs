@@ -5,13 +5,14 @@
 //! starts on several surfaces: all within `delta` of the point.
 
 use rayweave_bvh::ExactBvh;
-use rayweave_math::{Affine, Bounds, Vec3};
+use rayweave_math::{Affine, Bounds, Mat3, Vec3};
 use rayweave_model::weld::local_ray;
 use rayweave_model::{Crossing, Face, LeafId, PlacementId, Program, Start, SurfaceId};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{Surface, delta, delta_of};
 use std::collections::HashMap;
 use std::ops::{ControlFlow, Range};
+use std::sync::Arc;
 
 /// The surfaces of a program, with the boxes in which they matter, for point queries.
 #[derive(Clone, Debug, Default)]
@@ -31,7 +32,7 @@ pub struct StartSurfaces {
     planes: Vec<PlaneContact>,
     frames: Vec<Frame>,
     /// The maps into the frame of each placement, outermost first, one list after the other, and the first of each list.
-    maps: Vec<Affine>,
+    maps: Vec<Map>,
     first_map: Vec<u32>,
     tree: ExactBvh,
     neighbours: Neighbours,
@@ -51,6 +52,21 @@ struct Core {
     bounds: Bounds,
     /// The only surface beyond each side, low sides first; `None` if there are several.
     beyond: [Option<SurfaceId>; 6],
+}
+
+/// A map into the frame of a placement, in half a cache line: photons among many solids wait for it.
+#[derive(Clone, Debug)]
+struct Map {
+    translation: Vec3,
+    /// Copies that are turned alike share it.
+    linear: Arc<Mat3>,
+}
+
+impl Map {
+    #[inline]
+    fn affine(&self) -> Affine {
+        Affine { linear: *self.linear, translation: self.translation }
+    }
 }
 
 /// A sphere in the world.
@@ -146,6 +162,7 @@ impl StartSurfaces {
         let mut position = vec![0; program.surfaces().len()];
         let mut of_placement = Vec::new();
         let mut matters = HashMap::new();
+        let mut linear_parts = HashMap::<[u64; 9], Arc<Mat3>>::new();
         for placement in (0..program.prototypes()[0].placements).map(PlacementId) {
             let (world_from_local, id) = program.placement(placement);
             let group = program.prototype(id);
@@ -170,7 +187,14 @@ impl StartSurfaces {
             of_placement.push(found.clusters.len() as u32);
             found.frames.push(Frame::new(program, placement));
             found.first_map.push(found.maps.len() as u32);
-            found.maps.extend(program.descend(placement).map(|place| place.local_from_world));
+            found.maps.extend(program.descend(placement).map(|place| {
+                let Affine { linear, translation } = place.local_from_world;
+                let key = linear.to_cols_array().map(f64::to_bits);
+                Map {
+                    translation,
+                    linear: linear_parts.entry(key).or_insert_with(|| Arc::new(linear)).clone(),
+                }
+            }));
             let first_of_placement = found.surfaces.len() as u32;
             found.first_of_placement.push(first_of_placement);
             for same in placed.chunk_by(|a, b| a.0 == b.0) {
@@ -207,7 +231,7 @@ impl StartSurfaces {
             let maps = &self.maps[self.first_map[k] as usize..self.first_map[k + 1] as usize];
             let shift = match maps {
                 [] => Some(None),
-                [map] => (map.linear == Affine::IDENTITY.linear).then_some(Some(map.translation)),
+                [map] => (*map.linear == Affine::IDENTITY.linear).then_some(Some(map.translation)),
                 _ => None,
             };
             for &surface in &self.surfaces[cluster.surfaces.start as usize..cluster.surfaces.end as usize] {
@@ -216,7 +240,7 @@ impl StartSurfaces {
                         normal: plane.normal,
                         offset: plane.offset,
                         shift,
-                        gradient: outer_gradient(plane.normal, maps),
+                        gradient: outer_gradient(plane.normal, maps.iter().map(Map::affine)),
                         alone: Bounds::EMPTY,
                     }),
                     _ => None,
@@ -667,7 +691,7 @@ pub struct Contact<'a> {
     t: f64,
     face: Face,
     /// The maps into the frame of the surface, outermost first.
-    maps: &'a [Affine],
+    maps: &'a [Map],
     /// The surface's function at the point, and its gradient, in that frame.
     value: f64,
     gradient: Vec3,
@@ -676,11 +700,9 @@ pub struct Contact<'a> {
 impl<'a> Contact<'a> {
     /// Evaluates the surface of a crossing; `maps` lead into its frame.
     #[inline]
-    fn new(program: &'a Program, ray: &'a Ray, crossing: &Crossing, maps: &'a [Affine]) -> Contact<'a> {
+    fn new(program: &'a Program, ray: &'a Ray, crossing: &Crossing, maps: &'a [Map]) -> Contact<'a> {
         let &Crossing { t, face, .. } = crossing;
-        let surface = &program.surface(face.surface).surface;
-        let local = maps.iter().fold(*ray, |local, map| local.transformed(map));
-        let (value, gradient) = surface.value_and_gradient(local.at(t));
+        let (value, gradient) = value_and_gradient(program, (ray, crossing), maps.iter().map(Map::affine));
         Contact { program, ray, t, face, maps, value, gradient }
     }
 
@@ -688,22 +710,45 @@ impl<'a> Contact<'a> {
     /// [`rayweave_model::attributes::world_gradient`].
     #[inline]
     fn slope(&self) -> f64 {
-        outer_gradient(self.gradient, self.maps).dot(self.ray.direction)
+        outer_gradient(self.gradient, self.maps.iter().map(Map::affine)).dot(self.ray.direction)
     }
 
     /// The point of the crossing, projected onto the surface by one Newton step along a normal.
     #[must_use]
     #[inline]
     pub fn project(&self, normal: Vec3) -> Vec3 {
-        let along = self.maps.iter().fold(normal, |normal, map| map.vector(normal));
-        newton_step(self.ray.at(self.t), normal, self.value / self.gradient.dot(along))
+        let maps = self.maps.iter().map(Map::affine);
+        onto_surface((self.ray, self.t), normal, (self.value, self.gradient), maps)
     }
+}
+
+/// The function of the surface of a crossing and its gradient, in the frame that `maps` lead into.
+#[inline]
+fn value_and_gradient(
+    program: &Program,
+    (ray, crossing): (&Ray, &Crossing),
+    maps: impl Iterator<Item = Affine>,
+) -> (f64, Vec3) {
+    let local = maps.fold(*ray, |local, map| local.transformed(&map));
+    program.surface(crossing.face.surface).surface.value_and_gradient(local.at(crossing.t))
+}
+
+/// The point of a ray at a time, projected by one Newton step along a normal onto a surface with this value and gradient.
+#[inline]
+fn onto_surface(
+    (ray, t): (&Ray, f64),
+    normal: Vec3,
+    (value, gradient): (f64, Vec3),
+    maps: impl Iterator<Item = Affine>,
+) -> Vec3 {
+    let along = maps.fold(normal, |normal, map| map.vector(normal));
+    newton_step(ray.at(t), normal, value / gradient.dot(along))
 }
 
 /// A gradient in the world, up to a positive factor; `maps` lead into its frame.
 #[inline]
-fn outer_gradient(gradient: Vec3, maps: &[Affine]) -> Vec3 {
-    let up = maps.iter().rev().fold(gradient, |gradient, map| map.linear.transpose() * gradient);
+fn outer_gradient(gradient: Vec3, maps: impl DoubleEndedIterator<Item = Affine>) -> Vec3 {
+    let up = maps.rev().fold(gradient, |gradient, map| map.linear.transpose() * gradient);
     let largest = up.abs().max_element();
     match largest {
         // planes across an axis need no division
@@ -718,7 +763,8 @@ fn outer_gradient(gradient: Vec3, maps: &[Affine]) -> Vec3 {
 pub fn project(program: &Program, ray: &Ray, crossing: &Crossing, normal: Vec3) -> Vec3 {
     let maps: Vec<Affine> =
         program.descend(crossing.face.placement).map(|place| place.local_from_world).collect();
-    Contact::new(program, ray, crossing, &maps).project(normal)
+    let value = value_and_gradient(program, (ray, crossing), maps.iter().copied());
+    onto_surface((ray, crossing.t), normal, value, maps.iter().copied())
 }
 
 /// A point after a step against a direction; a step that is not finite is ignored.

@@ -396,6 +396,14 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.next_first.push(self.next_starts.len() as u32);
     }
 
+    /// Keeps a photon of the chunk, after its step, for the next one. Changing it in place and then moving it would read what has
+    /// just been written, in other pieces, which stops the processor.
+    fn keep_as(&mut self, flight: Flight) {
+        self.flights[self.kept] = flight;
+        self.kept += 1;
+        self.next_first.push(self.next_starts.len() as u32);
+    }
+
     /// The next crossings of the photons of the chunk.
     fn find(&mut self) {
         let ray = |flight: &Flight| flight.photon.ray();
@@ -683,18 +691,18 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         };
         let surface = detector.faces[self.found.face[i] as usize].surface;
         let own = Start { surface, placement: PlacementId(self.found.placement[i]), inside };
+        let flight = self.flights[at];
         if point.is_alone {
             self.next_starts.push(own);
         } else {
-            let ray = self.flights[at].photon.ray();
+            let ray = flight.photon.ray();
             let known = StartLists { first: &self.first, entries: &self.starts }.of(at);
             let (ray, own) = ((&ray, self.found.t[i]), (own, side));
             detector.starts.append_on(&detector.program, ray, own, known, &mut self.next_starts);
         }
-        let photon = &mut self.flights[at].photon;
-        photon.position = point.position;
-        (photon.direction, photon.polarisation) = (departed.direction, departed.polarisation);
-        self.keep(i);
+        let Departed { direction, polarisation, .. } = *departed;
+        let photon = Photon { position: point.position, direction, polarisation, ..flight.photon };
+        self.keep_as(Flight { photon, ..flight });
     }
 
     /// The optical boundary process for photon `i` of the chunk: the index in front of the crossing, the request of its random

@@ -95,9 +95,8 @@ impl LaneBoundaries {
         LaneBoundaries { level: WideLevel::widest(), kind, groups: Vec::new(), count: 0 }
     }
 
-    /// Removes all photons.
+    /// Removes all photons. Their groups stay for the next ones: lanes that are not in use have former numbers.
     pub fn clear(&mut self) {
-        self.groups.clear();
         self.count = 0;
     }
 
@@ -105,11 +104,14 @@ impl LaneBoundaries {
     #[inline]
     pub fn push(&mut self, photon: &AtBoundary) -> Option<u32> {
         self.level?;
-        let lane = self.count % LANES;
-        if lane == 0 {
+        let (number, lane) = (self.count / LANES, self.count % LANES);
+        if number == self.groups.len() {
             self.groups.push(Group::default());
         }
-        let group = self.groups.last_mut()?;
+        let group = &mut self.groups[number];
+        if lane == 0 {
+            group.on_plane = 0;
+        }
         for k in 0..3 {
             group.direction[k][lane] = photon.direction[k];
             group.polarisation[k][lane] = photon.polarisation[k];
@@ -137,7 +139,7 @@ impl LaneBoundaries {
     pub fn apply(&mut self, seed: u64, starts: &StartSurfaces) {
         let planes = (starts.planes(), starts.alone_lengths());
         let Some(level) = self.level else { return };
-        let (groups, count) = (&mut self.groups[..], self.count);
+        let (groups, count) = (&mut self.groups[..self.count.div_ceil(LANES)], self.count);
         match self.kind {
             Kind::Bare => dispatch_wide!(level, simd => apply_bare(simd, groups, (seed, count), planes)),
             Kind::Painted => dispatch_wide!(level, simd => apply_painted(simd, groups, seed, planes)),

@@ -5,25 +5,28 @@ use super::normal::{Slope, Slopes, scaled_to_unit};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_bvh::BundleSlabs;
-use rayweave_math::{Affine, Vec3};
+use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_model::{MARGIN, Place, Program};
 use rayweave_shape::lanes::{LANES, LaneLimits, LaneRay, Lanes, Uncertain, Vec3Lanes, splat};
 use rayweave_shape::surface::Surface;
 use std::collections::HashMap;
+use std::sync::Arc;
 
-/// A transform on the path into the frame of a placed solid.
-#[derive(Clone, Copy, Debug)]
+/// A transform on the path into the frame of a placed solid, in less than a cache line: among many solids, rays wait for it.
+#[derive(Clone, Debug)]
 pub(super) struct Step {
-    place: Place,
+    translation: Vec3,
+    /// See [`Place::path`].
+    path: f64,
     /// Largest factor by which it scales a length: the norm of the linear part.
     norm: f64,
-    /// The number of the linear part among those of the model.
-    linear: u32,
+    /// Copies that are turned alike share it.
+    linear: Arc<Mat3>,
 }
 
-/// The numbers of the distinct linear parts of transforms.
+/// The distinct linear parts of transforms.
 #[derive(Clone, Debug, Default)]
-pub(super) struct LinearParts(HashMap<[u64; 9], u32>);
+pub(super) struct LinearParts(HashMap<[u64; 9], Arc<Mat3>>);
 
 /// Eight rays in the frame of a placed solid.
 #[derive(Clone, Copy)]
@@ -40,12 +43,11 @@ impl<S: Simd> Carried<S> {
     #[inline(always)]
     pub fn new(simd: S, origin: Vec3Lanes<S>, direction: Vec3Lanes<S>, steps: &[Step]) -> Self {
         let mut ray = Carried { origin, direction, magnitude: splat(simd, 0.0) };
-        for Step { place, norm, .. } in steps {
-            let down = &place.local_from_world;
+        for Step { translation, path, norm, linear } in steps {
             ray = Carried {
-                origin: turned(down, ray.origin).plus_all(down.translation),
-                direction: turned(down, ray.direction),
-                magnitude: (ray.origin.taxicab() + place.path + ray.magnitude) * *norm,
+                origin: turned(linear, ray.origin).plus_all(*translation),
+                direction: turned(linear, ray.direction),
+                magnitude: (ray.origin.taxicab() + *path + ray.magnitude) * *norm,
             };
         }
         ray
@@ -57,15 +59,15 @@ impl<S: Simd> Carried<S> {
         let mut ray = Carried { origin, direction, magnitude: splat(simd, 0.0) };
         for depth in 0..steps[0].len() {
             let here = at_depth(steps, depth);
-            let [x, y, z, path] = gathered(simd, &here, |Step { place, .. }| {
-                let Vec3 { x, y, z } = place.local_from_world.translation;
-                [x, y, z, place.path]
+            let [x, y, z, path] = gathered(simd, &here, |Step { translation, path, .. }| {
+                let Vec3 { x, y, z } = *translation;
+                [x, y, z, *path]
             });
             let shift = Vec3Lanes { x, y, z };
             let lengths = ray.origin.taxicab() + path + ray.magnitude;
             // copies are rarely turned: a translation gathers less
             ray = if is_parallel(&here) {
-                let down = &here[0].place.local_from_world;
+                let down = &here[0].linear;
                 Carried {
                     origin: turned(down, ray.origin).plus(shift),
                     direction: turned(down, ray.direction),
@@ -73,7 +75,7 @@ impl<S: Simd> Carried<S> {
                 }
             } else {
                 let [xx, xy, xz, yx, yy, yz, zx, zy, zz, norm] = gathered(simd, &here, |step| {
-                    let linear = &step.place.local_from_world.linear;
+                    let linear = &step.linear;
                     let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
                     [x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z, step.norm]
                 });
@@ -118,8 +120,7 @@ pub(super) fn slabs<S: Simd>(
 
 /// The images of vectors, as [`Affine::vector`].
 #[inline(always)]
-fn turned<S: Simd>(map: &Affine, v: Vec3Lanes<S>) -> Vec3Lanes<S> {
-    let linear = &map.linear;
+fn turned<S: Simd>(linear: &Mat3, v: Vec3Lanes<S>) -> Vec3Lanes<S> {
     v.dots([linear.row(0), linear.row(1), linear.row(2)])
 }
 
@@ -138,11 +139,11 @@ fn at_depth<'s>(steps: &[&'s [Step]; LANES], depth: usize) -> [&'s Step; LANES] 
 /// True if the transforms have one linear part.
 #[inline(always)]
 fn is_parallel(steps: &[&Step; LANES]) -> bool {
-    let mut differ = 0;
+    let mut is_same = true;
     for step in steps {
-        differ |= step.linear ^ steps[0].linear;
+        is_same &= Arc::ptr_eq(&step.linear, &steps[0].linear);
     }
-    differ == 0
+    is_same
 }
 
 /// Some numbers of the transforms of eight rays, each in lanes.
@@ -183,26 +184,29 @@ pub(super) fn stretch(map: &Affine) -> f64 {
 
 impl Step {
     pub fn new(place: Place, parts: &mut LinearParts) -> Step {
-        let linear = &place.local_from_world.linear;
-        let new = parts.0.len() as u32;
+        let Affine { linear, translation } = place.local_from_world;
         let key = std::array::from_fn(|k| linear.col(k / 3)[k % 3].to_bits());
-        let linear = *parts.0.entry(key).or_insert(new);
-        Step { place, norm: place.local_from_world.linear_norm(), linear }
+        let linear = parts.0.entry(key).or_insert_with(|| Arc::new(linear)).clone();
+        Step { translation, path: place.path, norm: place.local_from_world.linear_norm(), linear }
     }
 
     /// See [`stretch`].
     pub fn stretch(&self) -> f64 {
-        stretch(&self.place.local_from_world)
+        stretch(&self.map())
+    }
+
+    fn map(&self) -> Affine {
+        Affine { linear: *self.linear, translation: self.translation }
     }
 
     /// The image of a point.
     pub fn point(&self, point: Vec3) -> Vec3 {
-        self.place.local_from_world.point(point)
+        self.map().point(point)
     }
 
     /// Transforms a gradient to the outer frame, by the transpose.
     fn back_one(&self, gradient: Vec3) -> Vec3 {
-        let down = &self.place.local_from_world.linear;
+        let down = &self.linear;
         Vec3::from_array([down.x_axis, down.y_axis, down.z_axis].map(|axis| gradient.dot(axis)))
     }
 
@@ -210,11 +214,11 @@ impl Step {
     #[inline(always)]
     fn back<S: Simd>(simd: S, steps: &[&Step; LANES], gradient: Vec3Lanes<S>) -> Vec3Lanes<S> {
         if is_parallel(steps) {
-            let down = &steps[0].place.local_from_world.linear;
+            let down = &steps[0].linear;
             return gradient.dots([down.x_axis, down.y_axis, down.z_axis]);
         }
         let [xx, xy, xz, yx, yy, yz, zx, zy, zz] = gathered(simd, steps, |step| {
-            let down = &step.place.local_from_world.linear;
+            let down = &step.linear;
             let [x, y, z] = [down.x_axis, down.y_axis, down.z_axis];
             [x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z]
         });

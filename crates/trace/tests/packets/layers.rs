@@ -101,6 +101,49 @@ fn a_tank_of_many_solids() {
     tally.finish(1_000);
 }
 
+/// A tank that balls nearly fill, or a narrow one around a row of them, each with a core within: rays pass many of their boxes.
+fn crowded(rng: &mut Random, counts: [u32; 3], frame: &Affine) -> Vec<Region> {
+    let pitch = 2.0 + rng.pick(&[0.1, 0.2]);
+    let [x, y, z] = counts;
+    let at = |k: u32| pitch * Vec3::new(f64::from(k % x), f64::from(k / x % y), f64::from(k / (x * y)));
+    let maps: Vec<Affine> = (0..x * y * z).map(|k| Affine::translate(at(k))).collect();
+    let size = pitch * Vec3::from_array(counts.map(f64::from));
+    let centre = 0.5 * (size - Vec3::splat(pitch));
+    let tank = cube(0.5 * size).translate(centre.to_array());
+    let [balls, cores] = [0.9, 0.4].map(|radius| sphere(radius).place(maps.clone()));
+    regions([cube(Vec3::splat(150.0)), tank, balls, cores], frame)
+}
+
+/// Rays in a tank that solids fill search them from front to back; those along a row leave the search of all rays together.
+#[test]
+fn a_crowded_tank() {
+    let mut tally = Tally::new("a crowded tank");
+    for seed in 0..8 {
+        let rng = &mut Random::new(12 << 40 | seed);
+        let frame = if rng.chance(0.5) { Affine::rotation(rng.direction(), 30.0) } else { Affine::IDENTITY };
+        let is_row = seed % 2 == 1;
+        let regions = crowded(rng, if is_row { [1, 1, 60] } else { [7, 7, 7] }, &frame);
+        let ray = |_| {
+            let ray = match is_row {
+                // beside the balls, and nearly along the row
+                true => {
+                    let from = Vec3::new(rng.between(0.8, 1.0), rng.between(0.8, 1.0), -1.0);
+                    Ray::new(from, Vec3::Z + 0.01 * rng.direction())
+                }
+                false => {
+                    let from = Vec3::from_array([(); 3].map(|()| rng.between(-1.0, 13.0)));
+                    Ray::new(from, rng.direction())
+                }
+            };
+            ray.transformed(&frame)
+        };
+        let rays = (0..40).map(ray).collect();
+        let Some(setting) = Setting::new(regions, rays, format!("crowded, seed {seed}")) else { continue };
+        starts::follow(&setting, levels()[seed as usize % 2], rng, &mut tally);
+    }
+    tally.finish(500);
+}
+
 /// A tank whose solids are turned, each in its own way, and of which some are not convex or are unions of several parts; some
 /// reach through the wall, some overlap, and each has another one within it.
 fn turned_solids(rng: &mut Random, frame: &Affine) -> Vec<Region> {

@@ -52,6 +52,8 @@ pub(super) struct Crowd {
     pub tree: ExactBvh,
     /// The solids in the order of the tree.
     pub solids: Vec<u32>,
+    /// True if most rays pass few of their boxes.
+    pub is_sparse: bool,
 }
 
 /// No cell.
@@ -73,6 +75,9 @@ const TOUCHING: usize = 64;
 
 /// Number of further boxes that touch the boxes of solids, per solid of the model, beyond which no solid gets a longer list.
 const CROWDED: usize = 16;
+
+/// Number of the boxes of a crowd that a ray passes on average, up to which the crowd is sparse.
+const SPARSE_CROWD: f64 = 4.0;
 
 /// Number of solids near a solid up to which those within others are found.
 const NESTED: usize = 16;
@@ -136,7 +141,7 @@ impl Cells {
             let mut crowd = NONE;
             if draft.is_crowded {
                 crowd = found.crowds.len() as u32;
-                found.crowds.push(Crowd::new(others, bounds));
+                found.crowds.push(Crowd::new(others, (&extents[k as usize], bounds)));
             } else {
                 found.lists.extend(others);
             }
@@ -247,10 +252,18 @@ fn regions(objects: &Objects, of_object: &[u32]) -> Vec<u32> {
 }
 
 impl Crowd {
-    fn new(solids: &[u32], bounds: &[Bounds]) -> Crowd {
+    /// Some solids, and the box of the solid around them.
+    fn new(solids: &[u32], (around, bounds): (&Bounds, &[Bounds])) -> Crowd {
         let boxes: Vec<Bounds> = solids.iter().map(|&k| bounds[k as usize]).collect();
+        // of the random lines through a convex body, the part that passes a body within it is the ratio of their surfaces
+        // (Crofton 1885)
+        let surface = |bounds: &Bounds| {
+            let Vec3 { x, y, z } = bounds.size();
+            x * y + y * z + z * x
+        };
+        let is_sparse = boxes.iter().map(surface).sum::<f64>() <= SPARSE_CROWD * surface(around);
         let (tree, order) = ExactBvh::sorted(&boxes);
-        Crowd { tree, solids: order.into_iter().map(|k| solids[k as usize]).collect() }
+        Crowd { tree, solids: order.into_iter().map(|k| solids[k as usize]).collect(), is_sparse }
     }
 }
 

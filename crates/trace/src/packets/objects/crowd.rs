@@ -1,31 +1,37 @@
 //! First hits of rays that start in a solid with many others within it, such as a tank of phototubes.
 //!
-//! Such rays have few boxes in common: each goes its own way through the tree of the others. Eight of them are under way at a
-//! time. When each has arrived at the box of a solid, all eight are intersected together, and a ray that has found its first
+//! Such rays have few boxes in common: each goes its own way through the tree of the others, or, where rays pass few boxes, all go
+//! through it node by node. Eight of them are under way at a time. When each has arrived at the box of a solid, all eight are intersected together, and a ray that has found its first
 //! hit gives its lane to the next one. The hit is certain if no other change follows it closely; all other rays are left to
 //! the general search.
 
 use super::super::Firsts;
 use super::super::group::{BundleEvaluation, Row};
 use super::super::places::slabs;
-use super::cells::NONE;
-use super::within::{Departures, Eight, FirstStarts, Passage, Passages, Starts, Walk, number, solids_in};
+use super::cells::{Crowd, NONE};
+use super::within::{
+    Departures, Eight, FirstStarts, Passage, Passages, Starts, Walk, cell_of, number, solids_in,
+};
 use super::{First, Objects, lanes_of};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use rayweave_bvh::{RayTraversals, SlabRay, SlabRays};
+use rayweave_bvh::{RayStreams, RayTraversals, SlabRay, SlabRays, StreamPlace};
 use rayweave_model::{Evaluator, MARGIN};
 use rayweave_shape::lanes::{LANES, LaneRay, Lanes, Mask, Vec3Lanes, splat};
 
 /// Rays that start among many solids, with the memory for their search.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Seekers {
-    /// The numbers of the rays.
+    /// The numbers of the rays, with those of their crowds in the upper halves.
     pub rays: Vec<u64>,
     traversals: RayTraversals,
+    /// The solids on the ways of all rays of a sparse crowd.
+    streams: RayStreams,
     starts: Starts,
     /// The rays that wait for a lane.
     waiting: Vec<Seeker>,
+    /// These rays prepared for the tree, each with the time up to which solids matter.
+    slabs: Vec<(SlabRay, f64)>,
     /// The first hits of rays that leave the solid in which they start, and of those that enter another one.
     done: [Vec<Done>; 2],
 }
@@ -35,7 +41,6 @@ pub(super) struct Seekers {
 struct Seeker {
     ray: u32,
     cell: u32,
-    slabs: SlabRay,
     /// As in [`Lane8`].
     given: [f64; GIVEN],
     /// The surface and the placement on which it starts, -1 for none, and whether f < 0 just after the start.
@@ -69,8 +74,6 @@ struct Lane8 {
     /// Bit mask of the rays whose first hit may be welded to a change behind it.
     near: u64,
     ray: [u32; LANES],
-    /// The numbers of the trees.
-    crowd: [u32; LANES],
     /// The solid in which each ray starts.
     own: [u32; LANES],
     /// The components of the origin and the direction, the lower bound of t, and the length behind a hit within which other
@@ -101,7 +104,6 @@ impl Lane8 {
             uncertain: 0,
             near: 0,
             ray: [0; LANES],
-            crowd: [0; LANES],
             own: [0; LANES],
             given,
             starts: Starts::default(),
@@ -124,7 +126,7 @@ impl Lane8 {
         self.active |= bit;
         self.uncertain &= !bit;
         self.near = self.near & !bit | u64::from(seeker.is_near) << lane;
-        (self.ray[lane], self.crowd[lane], self.own[lane]) = (seeker.ray, cell.crowd, own);
+        (self.ray[lane], self.own[lane]) = (seeker.ray, own);
         for k in 0..GIVEN {
             self.given[k].0[lane] = seeker.given[k];
         }
@@ -211,20 +213,53 @@ impl Firsts<'_, '_> {
         others: &mut Vec<u64>,
     ) {
         let seekers = &mut walk.seekers;
-        if seekers.rays.is_empty() {
-            return;
-        }
         let mut rays = std::mem::take(&mut seekers.rays);
-        objects.order(&self.rays, &mut rays);
+        if rays.iter().any(|&ray| cell_of(ray) != cell_of(rays[0])) {
+            rays.sort_unstable();
+        }
+        for rays in rays.chunk_by_mut(|&a, &b| cell_of(a) == cell_of(b)) {
+            let crowd = objects.cells.crowd(cell_of(rays[0]));
+            if !crowd.is_sparse {
+                objects.order(&self.rays, rays);
+            }
+            self.among_crowd(simd, objects, (crowd, rays), group, seekers, others);
+        }
+        for done in &mut seekers.done {
+            self.put_done(simd, objects, done);
+        }
+        seekers.rays = rays;
+    }
+
+    /// First hits of rays that start among the solids of a crowd.
+    #[inline(always)]
+    fn among_crowd<S: Simd>(
+        &mut self,
+        simd: S,
+        objects: &Objects,
+        (crowd, rays): (&Crowd, &[u64]),
+        group: &mut BundleEvaluation<'_, S>,
+        seekers: &mut Seekers,
+        others: &mut Vec<u64>,
+    ) {
         let (mut eights, mut lanes, mut items) = (rays.chunks(LANES), Lane8::new(), [0; LANES]);
         let t_max = self.query.window.t_max();
+        // for each lane, its place among the solids on the way of its ray, unless the ray searches the tree itself
+        let mut places = [Some(StreamPlace::END); LANES];
+        if crowd.is_sparse {
+            for numbers in eights.by_ref() {
+                self.prepare(simd, objects, group, numbers, seekers, others);
+            }
+            seekers.streams.find(simd, &crowd.tree, &seekers.slabs);
+        }
         loop {
             for lane in 0..LANES {
                 loop {
                     if lanes.active >> lane & 1 == 1 {
-                        let crowd = objects.cells.crowd(lanes.crowd[lane]);
                         let is_open = lanes.uncertain >> lane & 1 == 0;
-                        let next = |until| seekers.traversals.next(simd, &crowd.tree, lane, until);
+                        let next = |until| match &mut places[lane] {
+                            Some(place) => seekers.streams.next(place, until),
+                            None => seekers.traversals.next(simd, &crowd.tree, lane, until),
+                        };
                         if let Some(place) = Some(lanes.until.0[lane]).filter(|_| is_open).and_then(next) {
                             items[lane] = crowd.solids[place as usize];
                             break;
@@ -237,10 +272,18 @@ impl Firsts<'_, '_> {
                         self.prepare(simd, objects, group, numbers, seekers, others);
                         continue;
                     }
-                    let Some(seeker) = seekers.waiting.pop() else { break };
+                    let (Some(seeker), Some((slabs, until))) = (seekers.waiting.pop(), seekers.slabs.pop())
+                    else {
+                        break;
+                    };
                     lanes.put(lane, objects, &seeker);
-                    let tree = &objects.cells.crowd(lanes.crowd[lane]).tree;
-                    seekers.traversals.begin_one(simd, tree, lane, seeker.slabs, lanes.until.0[lane]);
+                    places[lane] = match crowd.is_sparse {
+                        true => seekers.streams.of_ray(seekers.waiting.len()),
+                        false => None,
+                    };
+                    if places[lane].is_none() {
+                        seekers.traversals.begin_one(simd, &crowd.tree, lane, slabs, until);
+                    }
                 }
             }
             if lanes.active == 0 {
@@ -248,14 +291,9 @@ impl Firsts<'_, '_> {
             }
             lanes.meet(objects, group, &items, t_max);
         }
-        for done in &mut seekers.done {
-            self.put_done(simd, objects, done);
-        }
-        seekers.rays = rays;
     }
 
     /// Intersects up to eight rays with the solids in which they start.
-    #[inline(always)]
     fn prepare<S: Simd>(
         &mut self,
         simd: S,
@@ -265,52 +303,59 @@ impl Firsts<'_, '_> {
         seekers: &mut Seekers,
         others: &mut Vec<u64>,
     ) {
-        let eight = Eight::new(simd, &self.rays, &self.query, numbers);
-        let starts = &mut seekers.starts;
-        starts.read(&self.query, numbers);
-        let (ray, uncertain) = LaneRay::new(simd, eight.origin, eight.direction, &objects.model.limits);
-        let margin = ray.origin.taxicab() * (objects.condition * MARGIN);
-        let slabs = slabs(simd, ray.origin, ray.direction, margin);
-        let behind = splat(simd, objects.cells.slack) / ray.direction.taxicab();
-        let (mut cells, mut items, some) = ([NONE; LANES], [0; LANES], (1 << numbers.len()) - 1);
-        for (lane, &entry) in numbers.iter().enumerate() {
-            let Some(lists) = &self.query.starts else { continue };
-            cells[lane] = objects.cell_of(lists, self.regions, number(entry));
-            items[lane] = objects.cells.list(objects.cells.get(cells[lane]))[0];
-        }
-        let queried = Mask::from_bitmask(simd, some);
-        let t_max = self.query.window.t_max();
-        let rays = Departures { ray: &ray, starts, queried, from: eight.from, t_max };
-        let Passages { passage, near, .. } = objects.pass_each(group, &items, some, &rays, behind);
-        let unsure = uncertain.always | passage.uncertain;
-        let near = (near | passage.grazes).to_bitmask();
-        let leaves = passage.inside & passage.first.simd_lt(f64::INFINITY) & !unsure;
-        let several = starts.others.iter().fold(0, |all: u64, other| all | 1 << other.lane);
-        let known = leaves.to_bitmask() & !several;
-        let Passage { first, second, face, .. } = &passage;
-        let (slabs, o, d) = (SlabRays::new(&slabs), &eight.origin, &eight.direction);
-        let columns = [&o.x, &o.y, &o.z, &d.x, &d.y, &d.z, &eight.from, &behind, first, second, face];
-        let mut rows = [Row([0.0; LANES]); 11];
-        for k in 0..columns.len() {
-            columns[k].store_array(&mut rows[k].0);
-        }
-        for (lane, &entry) in numbers.iter().enumerate().rev() {
-            if known >> lane & 1 == 0 {
-                others.push(number(entry) as u64);
-                continue;
-            }
-            let FirstStarts { surface, placement, inside } = &starts.first;
-            let at = |k: usize| rows[k].0[lane];
-            seekers.waiting.push(Seeker {
-                ray: number(entry) as u32,
-                cell: cells[lane],
-                slabs: slabs.ray(lane, at(6)),
-                given: [at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)],
-                start: ([surface.0[lane], placement.0[lane]], inside >> lane & 1 == 1),
-                exit: [at(8), at(9), at(10)],
-                is_near: near >> lane & 1 == 1,
-            });
-        }
+        // a separate function, since it has two callers
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let eight = Eight::new(simd, &self.rays, &self.query, numbers);
+                let starts = &mut seekers.starts;
+                starts.read(&self.query, numbers);
+                let (ray, uncertain) =
+                    LaneRay::new(simd, eight.origin, eight.direction, &objects.model.limits);
+                let margin = ray.origin.taxicab() * (objects.condition * MARGIN);
+                let slabs = slabs(simd, ray.origin, ray.direction, margin);
+                let behind = splat(simd, objects.cells.slack) / ray.direction.taxicab();
+                let (mut cells, mut items, some) = ([NONE; LANES], [0; LANES], (1 << numbers.len()) - 1);
+                for (lane, &entry) in numbers.iter().enumerate() {
+                    let Some(lists) = &self.query.starts else { continue };
+                    cells[lane] = objects.cell_of(lists, self.regions, number(entry));
+                    items[lane] = objects.cells.list(objects.cells.get(cells[lane]))[0];
+                }
+                let queried = Mask::from_bitmask(simd, some);
+                let t_max = self.query.window.t_max();
+                let rays = Departures { ray: &ray, starts, queried, from: eight.from, t_max };
+                let Passages { passage, near, .. } = objects.pass_each(group, &items, some, &rays, behind);
+                let unsure = uncertain.always | passage.uncertain;
+                let near = (near | passage.grazes).to_bitmask();
+                let leaves = passage.inside & passage.first.simd_lt(f64::INFINITY) & !unsure;
+                let several = starts.others.iter().fold(0, |all: u64, other| all | 1 << other.lane);
+                let known = leaves.to_bitmask() & !several;
+                let Passage { first, second, face, .. } = &passage;
+                let (slabs, o, d) = (SlabRays::new(&slabs), &eight.origin, &eight.direction);
+                let columns = [&o.x, &o.y, &o.z, &d.x, &d.y, &d.z, &eight.from, &behind, first, second, face];
+                let mut rows = [Row([0.0; LANES]); 11];
+                for k in 0..columns.len() {
+                    columns[k].store_array(&mut rows[k].0);
+                }
+                for (lane, &entry) in numbers.iter().enumerate().rev() {
+                    if known >> lane & 1 == 0 {
+                        others.push(number(entry) as u64);
+                        continue;
+                    }
+                    let FirstStarts { surface, placement, inside } = &starts.first;
+                    let at = |k: usize| rows[k].0[lane];
+                    seekers.slabs.push((slabs.ray(lane, at(6)), at(8) + at(7)));
+                    seekers.waiting.push(Seeker {
+                        ray: number(entry) as u32,
+                        cell: cells[lane],
+                        given: [at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)],
+                        start: ([surface.0[lane], placement.0[lane]], inside >> lane & 1 == 1),
+                        exit: [at(8), at(9), at(10)],
+                        is_near: near >> lane & 1 == 1,
+                    });
+                }
+            },
+        );
     }
 
     /// Takes a ray out of its lane.

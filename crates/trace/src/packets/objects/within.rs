@@ -195,8 +195,8 @@ fn sort_by_cell(entries: &[u64], cells: usize, counts: &mut Vec<u32>, sorted: &m
     }
 }
 
-/// The cell of an entry of [`Walk::listed`].
-fn cell_of(entry: u64) -> u32 {
+/// The cell of an entry of [`Walk::listed`], or the crowd of one of [`Seekers::rays`].
+pub(super) fn cell_of(entry: u64) -> u32 {
     (entry >> 32) as u32
 }
 
@@ -421,8 +421,10 @@ impl Objects {
         for ray in 0..count {
             match self.cell_of(&lists, regions, ray) {
                 NONE => order.push(ray as u64),
-                cell if self.cells.get(cell).crowd != NONE => seekers.rays.push(ray as u64),
-                cell => unsorted.push(u64::from(cell) << 32 | ray as u64),
+                cell => match self.cells.get(cell).crowd {
+                    NONE => unsorted.push(u64::from(cell) << 32 | ray as u64),
+                    crowd => seekers.rays.push(u64::from(crowd) << 32 | ray as u64),
+                },
             }
         }
         if self.cells.count() > MOST_COUNTS * unsorted.len() {
