@@ -161,6 +161,11 @@ impl RayStreams {
         }
     }
 
+    /// The places of the items that have been found, in any order.
+    pub fn places(&self) -> impl Iterator<Item = u32> + '_ {
+        self.passed.iter().map(|passed| passed.place)
+    }
+
     /// The first box that a ray passes; `None` if it passes so many that their search was given up.
     #[inline]
     #[must_use]

@@ -150,6 +150,9 @@ const MANY: usize = 64;
 /// 10^5 times as long as the model.
 const SLACK: f64 = 1e-6;
 
+/// Number of placements from which on their data do not fit into the cache.
+const LARGE: usize = 1000;
+
 /// Nesting depth up to which the bounds of a composed map are used; in deeper frames no surface counts as far.
 const NESTED: usize = 4;
 
@@ -264,6 +267,25 @@ impl StartSurfaces {
         let first = self.first_of_placement[face.placement.index()];
         let plane = self.plane_of[(first + self.position[face.surface.index()]) as usize];
         (plane != u32::MAX).then_some(plane)
+    }
+
+    /// Reads what the contacts with some surfaces of placements need. Among thousands of copies it is not in the cache, and a loop
+    /// without any other work waits for many of these reads at once.
+    pub fn read_ahead(&self, surfaces: impl Iterator<Item = (SurfaceId, PlacementId)>) {
+        if self.first_map.len() < LARGE {
+            return;
+        }
+        let mut bits = 0;
+        for (surface, placement) in surfaces {
+            let k = placement.index();
+            if let Some(map) = self.maps.get(self.first_map[k] as usize) {
+                bits ^= map.translation.x.to_bits() ^ Arc::as_ptr(&map.linear) as u64;
+            }
+            let at = self.first_of_placement[k] + self.position[surface.index()];
+            let alone = &self.alone[at as usize];
+            bits ^= alone.lo.x.to_bits() ^ alone.hi.z.to_bits();
+        }
+        std::hint::black_box(bits);
     }
 
     /// The largest sum of a ray's lengths for which the boxes [`alone`](PlaneContact::alone) hold.

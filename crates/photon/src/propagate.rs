@@ -469,9 +469,21 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             lanes.apply(self.settings.seed, &self.detector.starts);
         }
         self.draws.answer(self.settings.seed);
+        self.read_ahead();
         for i in 0..self.chunk.len() {
             self.conclude(i, self.stages[i]);
         }
+    }
+
+    /// Reads the data of the contacts of all photons at boundaries ahead.
+    fn read_ahead(&self) {
+        let Columns { face, placement, .. } = &self.found;
+        let at_boundary =
+            self.stages.iter().zip(face).zip(placement).filter_map(|((stage, &face), &placement)| {
+                let face = self.detector.faces.get(usize::try_from(face).ok()?)?;
+                matches!(stage, Stage::Boundary(..)).then_some((face.surface, PlacementId(placement)))
+            });
+        self.detector.starts.read_ahead(at_boundary);
     }
 
     /// Moves a photon to the end of its step, unless that is a boundary. If `collects` is true, photons at bare interfaces are collected.

@@ -195,6 +195,11 @@ impl Step {
         stretch(&self.map())
     }
 
+    /// See [`Place::path`].
+    pub fn path(&self) -> f64 {
+        self.path
+    }
+
     fn map(&self) -> Affine {
         Affine { linear: *self.linear, translation: self.translation }
     }

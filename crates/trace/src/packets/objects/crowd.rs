@@ -7,7 +7,7 @@
 
 use super::super::Firsts;
 use super::super::group::{BundleEvaluation, Row};
-use super::super::places::slabs;
+use super::super::places::{Step, slabs};
 use super::cells::{Crowd, NONE};
 use super::within::{
     Departures, Eight, FirstStarts, Passage, Passages, Starts, Walk, cell_of, number, solids_in,
@@ -64,6 +64,9 @@ struct Done {
 
 /// The number of components of a ray with its bounds.
 const GIVEN: usize = 8;
+
+/// Number of solids from which on their data do not fit into the cache.
+const LARGE: usize = 1000;
 
 /// Eight rays under way.
 struct Lane8 {
@@ -201,6 +204,22 @@ fn row<S: Simd>(simd: S, row: &Row) -> Lanes<S> {
     Lanes::load_array_ref(simd, &row.0)
 }
 
+impl Objects {
+    /// Reads the data of solids of a crowd. Of thousands they are not in the cache, and a loop without any other work waits for many
+    /// of these reads at once.
+    fn read_ahead(&self, crowd: &Crowd, places: impl Iterator<Item = u32>) {
+        if crowd.solids.len() < LARGE {
+            return;
+        }
+        let mut all = 0.0;
+        for place in places {
+            let object = &self.objects[crowd.solids[place as usize] as usize];
+            all += object.region + self.steps(object).first().map_or(0.0, Step::path);
+        }
+        std::hint::black_box(all);
+    }
+}
+
 impl Firsts<'_, '_> {
     /// First hits of rays that start among many solids; those that are uncertain or start elsewhere are appended to `others`.
     #[inline(always)]
@@ -250,6 +269,7 @@ impl Firsts<'_, '_> {
                 self.prepare(simd, objects, group, numbers, seekers, others);
             }
             seekers.streams.find(simd, &crowd.tree, &seekers.slabs);
+            objects.read_ahead(crowd, seekers.streams.places());
         }
         loop {
             for lane in 0..LANES {
