@@ -36,8 +36,10 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scene, Error> {
         return Ok(imported.scene);
     }
     let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
-    let problem = Diagnostic::error("a part of the geometry is missing")
-        .why("answers would be wrong")
-        .suggest(Some("Correct the model, or read it with `formats::load`, whose report lists what is missing".to_owned()));
+    let problem =
+        Diagnostic::error("a part of the geometry is missing").why("answers would be wrong").suggest(Some(
+            "Correct the model, or read it with `formats::load`, whose report lists what is missing"
+                .to_owned(),
+        ));
     Err(Diagnostics::new(std::iter::once(problem.in_file(&source)).chain(missing).collect()).into())
 }

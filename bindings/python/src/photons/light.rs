@@ -2,10 +2,10 @@
 
 use pyo3::prelude::*;
 use rayweave::Vec3;
-use rayweave::photon::property::{PropertyError, PropertyTable, Spectrum};
+use rayweave::photon::property::{PropertyTable, Spectrum};
 use rayweave::photon::{
-    Directions, LinearDensity, OpticalMaterial, Pulse, ScintillationComponent, ScintillationLight, Torch,
-    WavelengthDistribution,
+    Directions, LinearDensity, OpticalMaterial, PropertyError, Pulse, ScintillationComponent,
+    ScintillationLight, Torch, WavelengthDistribution,
 };
 
 use crate::error::bad_value;
