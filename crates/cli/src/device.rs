@@ -6,6 +6,8 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use rayweave::device::{Device, DeviceEvaluator, DeviceOptions};
 use rayweave::model::Program;
+use rayweave::photon::Detector;
+use rayweave::photon_simulator::PhotonSimulator;
 use std::sync::{Arc, Once};
 
 /// The device that answers ray queries.
@@ -36,14 +38,31 @@ impl DeviceArguments {
         program: Arc<Program>,
         quiet: bool,
     ) -> Result<Chosen, Failure> {
+        let evaluator = DeviceEvaluator::new(self.options()?, evaluator, program)?;
+        note(evaluator.notice(), quiet);
+        Ok(Chosen { evaluator, quiet })
+    }
+
+    /// The device for the photons of a detector. `records` states whether histories are recorded.
+    pub fn choose_for_photons(
+        &self,
+        detector: &Detector,
+        records: bool,
+        quiet: bool,
+    ) -> Result<PhotonSimulator, Failure> {
+        let simulator = PhotonSimulator::new(self.options()?, detector, records)?;
+        note(simulator.notice(), quiet);
+        Ok(simulator)
+    }
+
+    /// The choice.
+    fn options(&self) -> Result<DeviceOptions, Failure> {
         let options = DeviceOptions { device: self.device.parse()?, adapter: self.adapter };
         if options.device == Device::Cpu && self.adapter.is_some() {
             let text = "--adapter selects a graphics card, and the device is `cpu`: add --device gpu.";
             return Err(Failure::Usage(text.to_owned()));
         }
-        let evaluator = DeviceEvaluator::new(options, evaluator, program)?;
-        note(evaluator.notice(), quiet);
-        Ok(Chosen { evaluator, quiet })
+        Ok(options)
     }
 }
 
@@ -60,7 +79,8 @@ impl Chosen {
     }
 }
 
-fn note(reason: Option<&str>, quiet: bool) {
+/// Prints, once, the reason why the CPU computes everything.
+pub fn note(reason: Option<&str>, quiet: bool) {
     static SAID: Once = Once::new();
     if let Some(reason) = reason.filter(|_| !quiet) {
         SAID.call_once(|| terminal::note(&format!("the CPU is used: {reason}")));

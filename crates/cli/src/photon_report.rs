@@ -2,6 +2,7 @@
 
 use crate::terminal;
 use rayweave::photon::{Detector, End, Histories, Hits, PhotonPart, PhotonRun, Process, sequence_text};
+use rayweave::photon_simulator::PhotonShare;
 use rayweave::table::Counts;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, HashMap};
@@ -23,6 +24,8 @@ pub struct PhotonReport {
     hits: u64,
     keeps_hits: bool,
     pub duration: Duration,
+    /// The share of a graphics card.
+    pub share: Option<PhotonShare>,
     detection: &'static str,
     /// Processes and events at surfaces, if they are reported.
     counts: Option<Histories>,
@@ -50,6 +53,7 @@ impl PhotonReport {
             hits: 0,
             keeps_hits,
             duration: Duration::ZERO,
+            share: None,
             detection,
             counts: counts.then(Histories::default),
             sequences: sequences.map(|most| (BTreeMap::new(), most)),
@@ -201,6 +205,10 @@ impl PhotonReport {
             "sensors": self.sensors.iter().map(|(path, count)| (path.clone(), json!(count))).collect::<Map<_, _>>(),
             "sensor_fractions": self.sensors.iter().map(fraction).collect::<Map<_, _>>(),
         });
+        if let Some(share) = &self.share {
+            report["gpu"] =
+                json!({ "photons": share.photons, "handed_back": share.handed_back, "steps": share.steps });
+        }
         if let Some(counts) = &self.counts {
             let processes = counts.processes.iter().map(|(process, n)| (process.name().to_owned(), json!(n)));
             report["processes"] = processes.collect::<Map<_, _>>().into();
@@ -247,7 +255,7 @@ impl PhotonReport {
             rate(self.run.photons),
             rate(self.run.steps),
             self.detection,
-        )
+        ) + &self.share.map_or(String::new(), |share| format!("{share}\n"))
     }
 
     fn percent(&self, count: u64) -> String {

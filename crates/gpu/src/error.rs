@@ -45,6 +45,29 @@ pub enum GpuError {
         /// The message of the driver.
         reason: String,
     },
+    /// The device has no double precision.
+    #[error("the GPU `{adapter}` cannot follow photons: it has no numbers in double precision. Use the CPU.")]
+    NoDouble {
+        /// The name of the adapter.
+        adapter: String,
+    },
+    /// The device rounds otherwise than the CPU.
+    #[error(
+        "the GPU `{adapter}` cannot follow photons: it rounds numbers in double precision otherwise than the CPU. Use the CPU."
+    )]
+    Rounding {
+        /// The name of the adapter.
+        adapter: String,
+    },
+    /// The CPU has other results for some photons.
+    #[error(
+        "the GPU `{adapter}` computes other photons than the CPU: its driver changes results in double precision. Use the CPU, and \
+         please report this."
+    )]
+    Contradicted {
+        /// The name of the adapter.
+        adapter: String,
+    },
     /// The device cannot hold the model.
     #[error(
         "the model does not fit on the GPU: {what} needs {bytes} bytes, the limit is {limit}. Trace it on the CPU."
@@ -84,6 +107,9 @@ pub enum Unsupported {
         /// The greatest depth.
         limit: usize,
     },
+    /// A model without bounds.
+    #[error("it is unbounded")]
+    Unbounded,
     /// Region numbers have 16 bits on the device.
     #[error("it has more than 65534 regions")]
     Regions,

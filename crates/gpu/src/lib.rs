@@ -10,6 +10,7 @@
 //! The page `docs/concepts/gpu.md` derives the bounds.
 
 mod adapter;
+mod carrier;
 mod double;
 mod error;
 mod evaluator;
@@ -17,6 +18,7 @@ mod flat;
 mod frame;
 mod kernel;
 mod layout;
+mod next;
 mod prepared;
 mod program;
 mod shader;
@@ -25,6 +27,8 @@ mod trial;
 mod twin;
 
 pub use adapter::{Adapter, AdapterKind, Gpu};
+pub use carrier::{Carried, Carrier, CarrierForm};
 pub use error::{GpuError, Unsupported};
 pub use evaluator::GpuDevice;
+pub use next::NextTables;
 pub use program::{GpuProgram, GpuReport};

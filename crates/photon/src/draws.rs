@@ -287,9 +287,6 @@ pub(crate) fn exponential(uniform: f64) -> f64 {
 /// branches.
 #[inline]
 fn log(x: f64) -> f64 {
-    // the upper half of sqrt(1/2), and what brings it to that of 1
-    const ROOT: u64 = 0x3fe6_a09e << 32;
-    const TO_ONE: u64 = (0x3ff0_0000 - 0x3fe6_a09e) << 32;
     let bits = x.to_bits() + TO_ONE;
     let power = (bits >> 52) as i32 - 0x3ff;
     let f = f64::from_bits((bits & 0x000f_ffff_ffff_ffff) + ROOT) - 1.0;
@@ -303,8 +300,12 @@ fn log(x: f64) -> f64 {
     s * (half_square + (odd + even)) + power * LN2_LOW - half_square + f + power * LN2_HIGH
 }
 
+/// The upper half of sqrt(1/2), and what brings it to that of 1.
+pub(crate) const ROOT: u64 = 0x3fe6_a09e << 32;
+pub(crate) const TO_ONE: u64 = (0x3ff0_0000 - 0x3fe6_a09e) << 32;
+
 /// The coefficients of the polynomial, and ln 2 in two parts (FreeBSD, `e_log.c`).
-const LOG: [f64; 7] = [
+pub(crate) const LOG: [f64; 7] = [
     6.666_666_666_666_735e-1,
     3.999_999_999_940_942e-1,
     2.857_142_874_366_239e-1,
@@ -313,8 +314,8 @@ const LOG: [f64; 7] = [
     1.531_383_769_920_937_3e-1,
     1.479_819_860_511_658_6e-1,
 ];
-const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
-const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
+pub(crate) const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
+pub(crate) const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
 #[cfg(test)]
 mod tests {

@@ -106,6 +106,22 @@ impl Hits {
         self.volumes = known.used_by(&mut self.sensor);
     }
 
+    /// True if the hits of the photons with numbers below `end`, which come first, are others, bit for bit.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn begins_with(&self, other: &Hits, end: u64) -> bool {
+        let count = self.photon.partition_point(|&photon| (photon as u64) < end);
+        let numbers = |hits: &Hits, row: usize| {
+            let vectors = [&hits.position, &hits.direction, &hits.polarisation].into_iter().flatten();
+            let columns = vectors.chain([&hits.time, &hits.wavelength_nm]);
+            columns.map(|column| column[row].to_bits()).collect::<Vec<_>>()
+        };
+        let path = |hits: &Hits, row: usize| hits.paths()[hits.sensor[row] as usize].clone();
+        let words = |hits: &Hits, row: usize| (hits.photon[row], hits.steps[row], path(hits, row));
+        let is_equal =
+            |row| numbers(self, row) == numbers(other, row) && words(self, row) == words(other, row);
+        count == other.len() && (0..count).all(is_equal)
+    }
+
     /// Numbers the sensors in the order of the detector ([`Detector::sensor_paths`]), with those without hits: equal numbers in all
     /// runs. The numbers are otherwise in the order of the hits.
     pub fn number_by(&mut self, detector: &Detector) {

@@ -18,6 +18,8 @@
 mod boundary;
 mod compare;
 mod detector;
+#[cfg(feature = "gpu")]
+mod device;
 mod draws;
 mod energies;
 mod error;
@@ -50,6 +52,8 @@ pub use compare::{
     PhotonSample, SampleTrack, chi_squared_tail, compare, normal_tail, read_sample,
 };
 pub use detector::{DetectionRule, Detector};
+#[cfg(feature = "gpu")]
+pub use device::{PhotonDevice, PhotonDeviceReport};
 pub use error::{PhotonError, PropertyError};
 pub use flight::End;
 pub use genstep::{

@@ -203,6 +203,11 @@ impl ValueTable {
                 processes.push(process);
             }
         }
+        ValueTable { has_index: material.index.is_some(), processes, ..ValueTable::of(&tables) }
+    }
+
+    /// Some properties without a material.
+    pub fn of(tables: &[&PropertyTable]) -> ValueTable {
         let varies = tables.iter().filter(|table| !table.is_constant());
         let mut energies: Vec<f64> = varies.flat_map(|table| table.energies().iter().copied()).collect();
         energies.sort_by(f64::total_cmp);
@@ -210,8 +215,19 @@ impl ValueTable {
         // each property has one piece between two neighbouring energies, and up to the first of them
         let starts = std::iter::once(0.0).chain(energies.iter().copied());
         let pieces = starts.flat_map(|start| tables.iter().map(move |table| table.piece(start))).collect();
-        let (width, has_index) = (tables.len(), material.index.is_some());
-        ValueTable { energies, pieces, width, has_index, processes }
+        ValueTable { energies, pieces, width: tables.len(), has_index: false, processes: Vec::new() }
+    }
+
+    /// The energies, and the pieces of all properties from each of them on.
+    #[cfg(feature = "gpu")]
+    pub fn columns(&self) -> (&[f64], &[Piece], usize) {
+        (&self.energies, &self.pieces, self.width)
+    }
+
+    /// The processes in the order of their paths, and whether there is a refractive index.
+    #[cfg(feature = "gpu")]
+    pub fn processes(&self) -> (&[Bulk], bool) {
+        (&self.processes, self.has_index)
     }
 
     /// The pieces of the properties at an energy.

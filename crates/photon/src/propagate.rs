@@ -30,7 +30,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// The number of photons that advance together.
-const BATCH: u64 = 4096;
+pub(crate) const BATCH: u64 = 4096;
 
 /// The number of photons of a batch for which the next crossings are found together: their columns stay in the cache.
 const CHUNK: usize = 1024;
@@ -153,7 +153,7 @@ fn run_batches<E: Evaluator, R: Recorder, X: From<PhotonError>>(
 }
 
 /// Checks the source and the settings of a run.
-fn check(source: &Source, settings: &RunSettings) -> Result<(), PhotonError> {
+pub(crate) fn check(source: &Source, settings: &RunSettings) -> Result<(), PhotonError> {
     source.check()?;
     source.check_range(&settings.photons)?;
     if settings.max_time.is_nan() || settings.max_time <= 0.0 {
@@ -164,7 +164,7 @@ fn check(source: &Source, settings: &RunSettings) -> Result<(), PhotonError> {
 }
 
 /// A batch of photons with its buffers.
-struct Batch<'d, E: Evaluator, R: Recorder> {
+pub(crate) struct Batch<'d, E: Evaluator, R: Recorder> {
     detector: &'d Detector,
     evaluator: &'d E,
     settings: &'d RunSettings,
@@ -276,7 +276,7 @@ enum Group {
 }
 
 impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
-    fn new(detector: &'d Detector, evaluator: &'d E, settings: &'d RunSettings, recorder: R) -> Self {
+    pub fn new(detector: &'d Detector, evaluator: &'d E, settings: &'d RunSettings, recorder: R) -> Self {
         let tables: Vec<ValueTable> = detector.materials.iter().map(ValueTable::new).collect();
         Batch {
             detector,
@@ -312,10 +312,39 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         }
     }
 
-    fn run(&mut self, source: &Source, numbers: Range<u64>) -> Result<PhotonRun, Shortage> {
+    pub fn run(&mut self, source: &Source, numbers: Range<u64>) -> Result<PhotonRun, Shortage> {
         self.result = PhotonRun::default();
         let key = EventKey { seed: self.settings.seed, event: self.settings.event };
         self.emit(source, key, numbers);
+        self.finish(source)
+    }
+
+    /// Continues photons, each with the surface on which it starts, and adds photons that have been detected, each with the region
+    /// and the face behind which it is. The result has no other counts than those of what happens here.
+    #[cfg(feature = "gpu")]
+    pub fn resume(
+        &mut self,
+        source: &Source,
+        flights: impl IntoIterator<Item = (Flight, Option<Start>)>,
+        detected: impl IntoIterator<Item = (Flight, (u32, Face))>,
+    ) -> Result<PhotonRun, Shortage> {
+        self.result = PhotonRun::default();
+        self.clear();
+        for (flight, start) in flights {
+            self.flights.push(flight);
+            self.starts.extend(start);
+            self.first.push(self.starts.len() as u32);
+        }
+        for (flight, volume) in detected {
+            let paths = (self.detector, &mut self.paths);
+            let number = (self.settings.event, flight.origin);
+            self.result.hits.push(number, flight.steps, &flight.photon, paths, volume);
+        }
+        self.finish(source)
+    }
+
+    /// Steps until all photons have ended; takes the result.
+    fn finish(&mut self, source: &Source) -> Result<PhotonRun, Shortage> {
         // the result of a cancelled run is dropped
         while !self.flights.is_empty() && !self.settings.cancel.is_cancelled() {
             self.step_all();
@@ -334,7 +363,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     /// Emits the photons of a batch.
     fn emit(&mut self, source: &Source, key: EventKey, numbers: Range<u64>) {
         let mut photons = std::mem::take(&mut self.emitted);
-        self.flights.clear();
+        self.clear();
         for first in numbers.clone().step_by(CHUNK) {
             photons.clear();
             let some = first..numbers.end.min(first + CHUNK as u64);
@@ -346,9 +375,15 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             self.flights.extend((first..).zip(&photons).map(flight));
         }
         self.emitted = photons;
+        self.first.resize(self.flights.len() + 1, 0);
+    }
+
+    /// Removes all photons with their start lists.
+    fn clear(&mut self) {
+        self.flights.clear();
         self.starts.clear();
         self.first.clear();
-        self.first.resize(self.flights.len() + 1, 0);
+        self.first.push(0);
         self.next_starts.clear();
         self.next_first.clear();
         self.next_first.push(0);

@@ -37,6 +37,12 @@ pub(crate) struct Piece {
 }
 
 impl Piece {
+    /// Start, width, value and rise.
+    #[cfg(feature = "gpu")]
+    pub fn numbers(&self) -> [f64; 4] {
+        [self.start, self.width, self.value, self.rise]
+    }
+
     #[inline]
     pub fn at(&self, energy: f64) -> f64 {
         // a sum in this case too, which is never -0
@@ -217,6 +223,12 @@ impl Spectrum {
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
+    }
+
+    /// The energies, and the integral from the first of them to each.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn columns(&self) -> [&[f64]; 2] {
+        [&self.energies, &self.cumulative]
     }
 
     /// The energy below which a fraction of the spectrum lies that is cut at an energy; linear in the

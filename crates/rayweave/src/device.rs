@@ -8,7 +8,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 #[cfg(feature = "gpu")]
-use rayweave_gpu::{AdapterKind, Gpu, GpuDevice, GpuError, GpuProgram};
+use rayweave_gpu::{Adapter, AdapterKind, Gpu, GpuDevice, GpuError, GpuProgram};
 
 /// The device that answers ray queries. All give the same answers, bit for bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -69,6 +69,12 @@ pub enum DeviceError {
          or choose the device `cpu`."
     )]
     NotBuilt,
+    /// Histories of photons are recorded on the CPU alone.
+    #[error(
+        "steps and histories of photons cannot be recorded on the device `gpu`: only hits and counts come back from it. Choose the \
+         device `cpu`."
+    )]
+    Histories,
     /// The graphics card cannot be used.
     #[cfg(feature = "gpu")]
     #[error(transparent)]
@@ -79,7 +85,7 @@ impl Classified for DeviceError {
     fn kind(&self) -> ErrorKind {
         match self {
             DeviceError::UnknownName(_) => ErrorKind::Name,
-            DeviceError::Evaluator(_) | DeviceError::NotBuilt => ErrorKind::Value,
+            DeviceError::Evaluator(_) | DeviceError::NotBuilt | DeviceError::Histories => ErrorKind::Value,
             DeviceError::Cpu(error) => error.kind(),
             #[cfg(feature = "gpu")]
             DeviceError::Gpu(error) => error.kind(),
@@ -162,6 +168,17 @@ pub fn list() -> Result<Vec<DeviceInfo>, DeviceError> {
     return Err(DeviceError::NotBuilt);
 }
 
+/// The adapter of a choice. For [`Device::Auto`] a program on the CPU is one only if its number is given.
+#[cfg(feature = "gpu")]
+pub(crate) fn chosen_adapter(gpu: &Gpu, options: DeviceOptions) -> Result<&Adapter, GpuError> {
+    let adapter = gpu.adapter(options.adapter.unwrap_or(0))?;
+    let is_software = adapter.kind() == AdapterKind::Software;
+    if is_software && options.device == Device::Auto && options.adapter.is_none() {
+        return Err(GpuError::OnlySoftware { adapter: adapter.name().to_owned() });
+    }
+    Ok(adapter)
+}
+
 /// An evaluator on the chosen device.
 #[derive(Clone, Debug)]
 pub struct DeviceEvaluator {
@@ -214,11 +231,7 @@ impl DeviceEvaluator {
     #[cfg(feature = "gpu")]
     fn on_gpu(options: DeviceOptions, program: &Arc<Program>) -> Result<DeviceEvaluator, DeviceError> {
         let gpu = Gpu::new();
-        let adapter = gpu.adapter(options.adapter.unwrap_or(0))?;
-        let is_software = adapter.kind() == AdapterKind::Software;
-        if is_software && options.device == Device::Auto && options.adapter.is_none() {
-            return Err(GpuError::OnlySoftware { adapter: adapter.name().to_owned() }.into());
-        }
+        let adapter = chosen_adapter(&gpu, options)?;
         let device = Arc::new(GpuDevice::new(GpuProgram::new(adapter, program.clone())?));
         Ok(DeviceEvaluator {
             evaluator: AnyEvaluator::with_device(program.clone(), device.clone()),

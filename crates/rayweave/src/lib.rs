@@ -199,6 +199,8 @@ mod error;
 mod load;
 
 pub mod device;
+#[cfg(feature = "photon")]
+pub mod photon_simulator;
 
 pub mod shapes;
 

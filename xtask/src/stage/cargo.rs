@@ -39,7 +39,7 @@ pub fn tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     counted(workshop, cargo, counts)
 }
 
-/// The tests of the crate for graphics cards, and of the command with them, where a Vulkan driver is installed.
+/// The tests of the crate for graphics cards, of photons on them, and of the command with them, where a Vulkan driver is installed.
 pub fn gpu(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let has_driver = |folder: &&str| std::fs::read_dir(folder).is_ok_and(|mut files| files.next().is_some());
     if std::env::var_os("VK_DRIVER_FILES").is_none() && !DRIVERS.iter().any(has_driver) {
@@ -52,9 +52,18 @@ pub fn gpu(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let mut library = cargo(workshop);
     library.args(["test", "--no-fail-fast", "--package", GPU]);
     counted(workshop, library, counts)?;
-    let mut command = cargo(workshop);
-    command.args(["test", "--package", "rayweave-cli", "--features", "gpu", "--test", "command", "device::"]);
-    counted(workshop, command, counts)
+    // in one call: separate calls would unify the features of dependencies differently and build them again
+    let mut users = cargo(workshop);
+    users.args(["test", "--no-fail-fast", "--package", "rayweave-photon", "--package", "rayweave-cli"]);
+    users.args([
+        "--features",
+        "rayweave-photon/gpu,rayweave-cli/gpu",
+        "--lib",
+        "--test",
+        "command",
+        "device::",
+    ]);
+    counted(workshop, users, counts)
 }
 
 pub fn long_tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {

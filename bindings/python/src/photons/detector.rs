@@ -14,9 +14,11 @@ use rayweave::model::drive::Cancel;
 use rayweave::photon::property::{PropertyTable, Spectrum};
 use rayweave::photon::{
     DetectionRule, Detector, Histories, HistoryOptions, LintFinding, OpticalMaterial, OpticalSurface,
-    PhotonPart, PhotonRun, RunSettings, SurfaceTables, TimeProfile, check_start, lint, simulate_parts,
+    PhotonPart, PhotonRun, RunSettings, SurfaceTables, TimeProfile, check_start, lint,
 };
+use rayweave::photon_simulator::PhotonSimulator;
 
+use crate::device::{device_argument, warn};
 use crate::error::{bad_value, require_file};
 use crate::interrupt::{abandonable, interruptible};
 use crate::photons::light::TorchLight;
@@ -90,6 +92,7 @@ pub struct PhotonSettings {
     threads: Option<NonZeroUsize>,
     event: u32,
     record: Option<(bool, bool)>,
+    device: String,
 }
 
 impl PhotonSettings {
@@ -241,6 +244,7 @@ impl PyDetector {
         let cancel = Cancel::new();
         let run = settings.settings(&cancel)?;
         let record = settings.record.map(|(steps, sequences)| HistoryOptions { steps, sequences });
+        let device = device_argument(&settings.device)?;
         let parts = self.parts.clone();
         let begin = Instant::now();
         let simulate = || {
@@ -253,13 +257,20 @@ impl PyDetector {
                 part.histories.into_iter().for_each(|own| histories.append(own));
                 Ok(())
             };
-            simulate_parts(&parts.detector, &parts.evaluator, source, &run, record, merge)?;
+            let DetectorParts { detector, evaluator, .. } = &*parts;
+            let on_device = |simulator: &PhotonSimulator| -> Result<_, Halt> {
+                simulator.simulate_parts(detector, evaluator, source, &run, record, merge)?;
+                let notice = simulator.finish().map_err(bad_value)?;
+                Ok(notice.or(simulator.notice().map(str::to_owned)))
+            };
+            let notice = parts.with_simulator(device, record.is_some(), on_device).map_err(bad_value)??;
             watch.end()?;
-            Ok((total, record.map(|_| histories)))
+            Ok((total, record.map(|_| histories), notice))
         };
         // errors of Python pass through as they are
         let done: Result<_, Halt> = interruptible(py, &cancel, || Ok::<_, String>(simulate()))?;
-        let (run, histories) = done.map_err(Halt::into_error)?;
+        let (run, histories, notice) = done.map_err(Halt::into_error)?;
+        warn(py, notice.as_deref())?;
         PyPhotonRun::new(run, histories, begin.elapsed(), self.parts.clone())
     }
 }
@@ -273,7 +284,8 @@ impl PyDetector {
             rayweave::scene::Diagnostics::from(warning.clone()).render(false)
         };
         let warnings = imported.scene.warnings.iter().map(rendered).collect();
-        let parts = Arc::new(DetectorParts { detector, evaluator, imported, tables });
+        let parts =
+            Arc::new(DetectorParts { detector, evaluator, imported, tables, simulators: Default::default() });
         Ok(PyDetector { parts, warnings })
     }
 }

@@ -108,6 +108,12 @@ impl From<PhotonError> for Halt {
     }
 }
 
+impl From<PyErr> for Halt {
+    fn from(error: PyErr) -> Halt {
+        Halt::Raised(error)
+    }
+}
+
 impl Halt {
     /// The exception.
     pub fn into_error(self) -> PyErr {

@@ -4,6 +4,7 @@ use super::photon_compare::PhotonCompare;
 use super::photon_source::SourceArguments;
 use super::photon_tables::SurfaceTableArguments;
 use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, debug_hash, whole_number};
+use crate::device::{self, DeviceArguments};
 use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
@@ -66,6 +67,9 @@ pub struct Simulation {
 
     #[command(flatten)]
     part: PartArguments,
+
+    #[command(flatten)]
+    device: DeviceArguments,
 
     /// Number of the event: photons of different events have different random numbers
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::arguments::any_count::<u32>)]
@@ -457,13 +461,14 @@ impl Simulation {
         let is_recorded = steps.is_some() || ends.is_some();
         let options = HistoryOptions { steps: is_recorded, sequences: self.sequences.is_some() };
         let histories = (options != HistoryOptions::default() || self.counts).then_some(options);
+        let simulator = self.device.choose_for_photons(detector, histories.is_some(), global.quiet)?;
         let is_drawn = self.map.is_some() || self.spectra.is_some();
         let mut report =
             PhotonReport::new(detector, self.detect.rule().1, self.counts, self.sequences, is_drawn);
         let Range { start, end } = settings.photons;
         let bar = terminal::progress_bar(Some(end - start), Unit::Percent, global.quiet);
         let begin = Instant::now();
-        let done = simulate_parts(detector, &evaluator, source, settings, histories, |part| {
+        let done = simulator.simulate_parts(detector, &evaluator, source, settings, histories, |part| {
             if let Some(table) = &mut hits {
                 table.write(&part.run.hits.to_rows()?)?;
             }
@@ -479,7 +484,9 @@ impl Simulation {
         });
         bar.finish_and_clear();
         done?;
+        device::note(simulator.finish()?.as_deref(), global.quiet);
         report.duration = begin.elapsed();
+        report.share = simulator.share();
         let counts = report.counts();
         for (table, path) in [(hits, &self.out), (steps, &self.steps), (ends, &self.histories)] {
             if let (Some(table), Some(path)) = (table, path) {

@@ -148,4 +148,26 @@ mod with_the_feature {
         assert!(auto.status.success() && said.starts_with("the CPU is used: no GPU was found"), "{said}");
         assert!(run("auto", &["-q"]).stderr.is_empty());
     }
+
+    #[test]
+    fn photons_have_the_bytes_of_the_cpu() {
+        let bench = crate::photons::bench();
+        if !has_adapter(&bench) {
+            return;
+        }
+        let hits = |device: &[&str], out: &str| {
+            let said = bench.says(&crate::photons::run(&[device, &["-o", out]].concat()));
+            (bench.read(out), said)
+        };
+        let (cpu, _) = hits(&[], "cpu.csv");
+        let (gpu, said) = hits(&["--device", "gpu"], "gpu.csv");
+        assert!(cpu == gpu);
+        assert!(said.contains(" of 2000 photons finished by the CPU"), "{said}");
+        let found = bench.json(&crate::photons::run(&["--device", "gpu", "--json"]));
+        assert_eq!(found["gpu"]["photons"], 2000);
+        let said = bench.fails(2, &crate::photons::run(&["--device", "gpu", "--counts"]));
+        assert!(said.contains("cannot be recorded on the device `gpu`"), "{said}");
+        let done = bench.run(&crate::photons::run(&["--device", "auto", "--adapter", "0", "--counts"]));
+        assert!(done.code == 0 && done.err.contains("the CPU is used: steps and histories"), "{}", done.err);
+    }
 }

@@ -14,30 +14,7 @@
 
 @ARITHMETIC@
 
-struct Line {
-    o: vec3<f64>,
-    d: vec3<f64>,
-}
-
-fn vector(at: u32) -> vec3<f64> {
-    return vec3<f64>(exact[at], exact[at + 1u], exact[at + 2u]);
-}
-
-fn dot64(a: vec3<f64>, b: vec3<f64>) -> f64 {
-    return plus(plus(times_(a.x, b.x), times_(a.y, b.y)), times_(a.z, b.z));
-}
-
-fn sum64(a: vec3<f64>, b: vec3<f64>) -> vec3<f64> {
-    return vec3<f64>(plus(a.x, b.x), plus(a.y, b.y), plus(a.z, b.z));
-}
-
-fn difference64(a: vec3<f64>, b: vec3<f64>) -> vec3<f64> {
-    return vec3<f64>(minus(a.x, b.x), minus(a.y, b.y), minus(a.z, b.z));
-}
-
-fn scaled64(factor: f64, v: vec3<f64>) -> vec3<f64> {
-    return vec3<f64>(times_(factor, v.x), times_(factor, v.y), times_(factor, v.z));
-}
+@VECTORS@
 
 fn line_of(i: u32) -> Line {
     let n = params.rays;
@@ -45,16 +22,6 @@ fn line_of(i: u32) -> Line {
         vec3<f64>(rays[i], rays[n + i], rays[2u * n + i]),
         vec3<f64>(rays[3u * n + i], rays[4u * n + i], rays[5u * n + i]),
     );
-}
-
-// A line in the frame of a placed solid, as `Ray::transformed`.
-fn moved(l: Line, at: u32) -> Line {
-    let x = vector(at);
-    let y = vector(at + 3u);
-    let z = vector(at + 6u);
-    let o = sum64(sum64(scaled64(l.o.x, x), scaled64(l.o.y, y)), scaled64(l.o.z, z));
-    let d = sum64(sum64(scaled64(l.d.x, x), scaled64(l.d.y, y)), scaled64(l.d.z, z));
-    return Line(sum64(o, vector(at + 9u)), d);
 }
 
 const PASSES: u32 = 1u;
@@ -156,10 +123,6 @@ fn sphere_times(at: u32, l: Line) -> Times {
     let time = over(dot64(difference64(centre, l.o), l.d), square);
     let offset = difference64(sum64(l.o, scaled64(time, l.d)), centre);
     return about(time, square, minus(exact[at + 3u], dot64(offset, offset)));
-}
-
-fn across(v: vec3<f64>, axis: vec3<f64>) -> vec3<f64> {
-    return difference64(v, scaled64(dot64(v, axis), axis));
 }
 
 // as `Cylinder::crossings`. exact: point, axis, squared radius

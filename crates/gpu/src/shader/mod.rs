@@ -8,6 +8,13 @@ use rayweave_math::UNIT_ROUNDOFF;
 /// Operations in double precision whose results the compiler of the device cannot change.
 pub(crate) const ARITHMETIC: &str = include_str!("arithmetic.wgsl");
 
+/// Vectors and lines in double precision.
+pub(crate) const VECTORS: &str = include_str!("vectors.wgsl");
+
+/// As `DOT_NOISE` in `surface/along.rs`, and `SLOW_SQUARE` in `surface/cylinder.rs`.
+pub(crate) const DOT_NOISE: f64 = 8.0 * UNIT_ROUNDOFF;
+pub(crate) const SLOW_SQUARE: f64 = 1e-4;
+
 /// Threads of a workgroup.
 pub(crate) const WORKGROUP: u32 = 64;
 
@@ -95,14 +102,15 @@ pub(crate) fn source(layout: &Layout, entry: Entry, doubles: Option<&Doubles>) -
         ("@MOST@", format!("{}u", entry.rows() - 1)),
         ("@ONLY_START@", (entry == Entry::Start).to_string()),
         ("@ARITHMETIC@", ARITHMETIC.to_owned()),
+        ("@VECTORS@", VECTORS.to_owned()),
         ("@EXACT_ROWS@", rows(doubles.map(|doubles| doubles.exact.len()))),
         ("@LOOKUP_ROWS@", rows(doubles.map(|doubles| doubles.lookup.len()))),
         ("@NEAR@", number(NEAR)),
         ("@NEAR_SQUARE@", number(0.25 * NEAR * NEAR)),
         ("@TOLERANCE@", number(TOLERANCE)),
         ("@MOST_TOLERANCE@", number(MOST_TOLERANCE)),
-        ("@DOT_NOISE@", number(8.0 * UNIT_ROUNDOFF)),
-        ("@SLOW_SQUARE@", number(1e-4)),
+        ("@DOT_NOISE@", number(DOT_NOISE)),
+        ("@SLOW_SQUARE@", number(SLOW_SQUARE)),
         ("@WORKGROUP@", WORKGROUP.to_string()),
         ("@ROOM@", format!("{:?}", crate::twin::Bounds::default().room)),
         ("@STEP@", format!("{:?}", crate::twin::Bounds::default().step)),

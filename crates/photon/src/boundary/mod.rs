@@ -20,6 +20,8 @@ mod tests;
 pub(crate) use collected::{AtBoundary, Departed, LaneBoundaries, LaneSurface, PlanePoint};
 pub use event::BoundaryEvent;
 pub(crate) use painted::Reflection;
+#[cfg(feature = "gpu")]
+pub(crate) use process::GRAZING;
 
 use crate::philox::Stream;
 use crate::surface::{MeasuredTable, OpticalSurface, SurfaceFinish, SurfaceType};

@@ -9,7 +9,7 @@ use rayweave_math::Vec3;
 
 /// Cosines within this distance of 1 are treated as normal incidence, and directions as far behind a surface as on it
 /// (Geant4's surface tolerance).
-pub(super) const GRAZING: f64 = 1e-9;
+pub(crate) const GRAZING: f64 = 1e-9;
 
 /// The number of facets and layers at which one photon may scatter in one event before it counts as absorbed. Geant4
 /// has no limit for facets; each round ends with a probability of the order of 1.

@@ -294,7 +294,7 @@ class Detector:
         """A sentence about the photons of a source that start outside the world or in a material without RINDEX, where they end at
         once; None without such photons. The first 1,000 photons are looked at, and it is an error if all of them do."""
         count = 1000 if source.count is None else min(source.count, 1000)
-        settings = _settings(seed, event, "both", 1, np.inf, "delta", None, None)
+        settings = _settings(seed, event, "both", 1, np.inf, "delta", None, None, "cpu")
         return self.compiled.check_start(source.compiled, settings | {"range": (0, count)})
 
     def material(self, name: str) -> Material:
@@ -319,13 +319,14 @@ class Detector:
         record: Record | None = None,
         event: int = 0,
         threads: int | None = None,
+        device: Literal["cpu", "gpu", "auto"] = "cpu",
         progress: Progress = None,
     ) -> Run:
         """Simulates photons until each of them ends. A source whose first 1,000 photons all start outside the world or in a material
         without RINDEX is an error.
 
-        A photon is a function of the detector, the source, the seed, the event and its number: `threads`, `record` and `range` do not
-        change it.
+        A photon is a function of the detector, the source, the seed, the event and its number: `threads`, `device`, `record` and `range`
+        do not change it.
 
         Parameters
         ----------
@@ -354,6 +355,9 @@ class Detector:
             column `event` of the hits tells them apart.
         threads
             The number of threads; by default RAYWEAVE_THREADS or the number of cores.
+        device
+            The CPU, a graphics card ("gpu"; in packages built with it), or a graphics card if there is one that can hold the
+            detector ("auto"). All give the same photons, bit for bit; histories are recorded by the CPU alone.
         progress
             Called with the number of finished photons and the total; True draws a bar on standard error.
 
@@ -366,7 +370,7 @@ class Detector:
         >>> run.hits.save("hits.parquet")  # doctest: +SKIP
         """
         first, last = self._numbers(source, n, range)
-        settings = _settings(seed, event, detect, max_steps, max_time, wls_time_profile, record, threads)
+        settings = _settings(seed, event, detect, max_steps, max_time, wls_time_profile, record, threads, device)
         self.check_source(source, seed=seed, event=event)
         return self._run(source, (first, last), settings, progress)
 
@@ -385,6 +389,7 @@ class Detector:
         record: Record | None = None,
         event: int = 0,
         threads: int | None = None,
+        device: Literal["cpu", "gpu", "auto"] = "cpu",
         progress: Progress = None,
     ) -> Iterator[Run]:
         """Simulates photons in runs of `chunk` photons each, in memory that does not grow with their number. The runs, one after
@@ -397,7 +402,7 @@ class Detector:
         """
         first, last = self._numbers(source, n, range)
         size = whole(chunk, "chunk", least=1)
-        settings = _settings(seed, event, detect, max_steps, max_time, wls_time_profile, record, threads)
+        settings = _settings(seed, event, detect, max_steps, max_time, wls_time_profile, record, threads, device)
         self.check_source(source, seed=seed, event=event)
         return self._stream(source, (first, last), size, settings, progress)
 
@@ -521,6 +526,7 @@ def _settings(
     wls_time_profile: str,
     record: Record | None,
     threads: int | None,
+    device: str,
 ) -> dict[str, Any]:
     if record is not None and record not in _RECORDS:
         unknown("record", record, _RECORDS)
@@ -533,6 +539,7 @@ def _settings(
         "wls_time_profile": wls_time_profile,
         "threads": None if threads is None else whole(threads, "threads", least=1),
         "record": None if record is None else _RECORDS[record],
+        "device": device,
     }
 
 

@@ -1,0 +1,344 @@
+//! Photons on a graphics card, with the histories of the CPU.
+//!
+//! The device moves photons step by step in double precision, by the operations of the CPU. A photon that needs a process, a
+//! surface or a shape that the device does not know, or whose next crossing is in doubt, is *handed back*: the CPU continues it from
+//! the state before that step. So every history is that of the CPU.
+
+mod tables;
+#[cfg(test)]
+mod tests;
+
+use crate::detector::{DetectionRule, Detector};
+use crate::error::PhotonError;
+use crate::flight::{End, Flight};
+use crate::hits::Hits;
+use crate::photon::{EventKey, Photon};
+use crate::propagate::{BATCH, Batch, PhotonPart, PhotonRun, check, simulate_parts};
+use crate::settings::{RunSettings, TimeProfile};
+use crate::source::Source;
+use rayweave_gpu::{Adapter, AdapterKind, Carried, Carrier, CarrierForm, GpuError};
+use rayweave_math::Vec3;
+use rayweave_model::Evaluator;
+use rayweave_model::drive::{Stopped, drive, thread_count};
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+use tables::{COUNTS, EVENTS, FIRST_END, FIRST_EVENT, HANDED_BACK, Tables};
+
+/// The number of photons on a card at a time, and on a program that acts as one.
+const ROOM: usize = 1 << 19;
+const SOFTWARE_ROOM: usize = 1 << 14;
+
+/// Steps of a photon in one pass: the drivers of cards stop kernels that run for seconds.
+const PASS: u32 = 64;
+
+/// The number of photons of a batch that the CPU simulates as well, for a comparison of the hits.
+const COMPARED: u64 = 128;
+
+/// Numbers and words of a photon on its way to the device, and of one that comes back.
+const STATE: [usize; 2] = [11, 5];
+const ROW: [usize; 2] = [11, 6];
+
+/// The state of a detected photon.
+const DETECTED: u32 = 5;
+
+/// Bits of the rules of a run.
+const BY_EFFICIENCY: u32 = 1;
+const BY_VOLUME: u32 = 2;
+const EXPONENTIAL: u32 = 4;
+/// All photons come back, for tests.
+#[cfg(test)]
+const ALL: u32 = 8;
+
+/// A detector on a graphics card.
+#[derive(Debug)]
+pub struct PhotonDevice {
+    tables: Tables,
+    carrier: Mutex<Carrier>,
+    adapter: String,
+}
+
+/// The share of a device in a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PhotonDeviceReport {
+    /// The photons of the source.
+    pub photons: u64,
+    /// Those that the CPU finished.
+    pub handed_back: u64,
+    /// The steps on the device.
+    pub steps: u64,
+    /// The reason why the CPU simulated the rest of the run.
+    pub problem: Option<GpuError>,
+}
+
+impl PhotonDeviceReport {
+    /// Adds the report of a further run.
+    pub fn add(&mut self, other: PhotonDeviceReport) {
+        self.photons += other.photons;
+        self.handed_back += other.handed_back;
+        self.steps += other.steps;
+        self.problem = self.problem.take().or(other.problem);
+    }
+}
+
+impl PhotonDevice {
+    /// The device of a detector.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError`] for a detector that is too large or unbounded, and for a card that does not compute as the CPU does.
+    pub fn new(adapter: &Adapter, detector: &Detector) -> Result<PhotonDevice, GpuError> {
+        PhotonDevice::with_tables(adapter, Tables::new(detector)?)
+    }
+
+    fn with_tables(adapter: &Adapter, tables: Tables) -> Result<PhotonDevice, GpuError> {
+        let form = CarrierForm { state: STATE, row: ROW, counts: COUNTS, params: 8 };
+        let room = if adapter.kind() == AdapterKind::Software { SOFTWARE_ROOM } else { ROOM };
+        let columns = (&tables.next.exact[..], &tables.next.words[..]);
+        let carrier = Carrier::new(adapter, tables.source.clone(), columns, form, room)?;
+        Ok(PhotonDevice { carrier: Mutex::new(carrier), adapter: adapter.name().to_owned(), tables })
+    }
+
+    /// The name of the card.
+    pub fn adapter(&self) -> &str {
+        &self.adapter
+    }
+
+    /// Simulates photons as [`simulate_parts`] does, in larger parts and without histories. If the device fails, the CPU simulates the
+    /// rest, and the report states the reason.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`simulate_parts`].
+    pub fn simulate_parts<E: Evaluator, X: From<PhotonError>>(
+        &self,
+        detector: &Detector,
+        evaluator: &E,
+        source: &Source,
+        settings: &RunSettings,
+        report: &mut PhotonDeviceReport,
+        mut merge: impl FnMut(PhotonPart) -> Result<(), X>,
+    ) -> Result<(), X> {
+        check(source, settings)?;
+        // the device is busy with one run at a time
+        let carrier = self.carrier.lock().unwrap_or_else(PoisonError::into_inner);
+        let Range { start, end } = settings.photons;
+        let room = carrier.room() as u64;
+        let mut at = start;
+        loop {
+            let numbers = at..(at + room).min(end.max(start));
+            let job = Job { tables: &self.tables, detector, evaluator, source, settings };
+            let compared = |(run, own)| match job.agrees(&run, numbers.clone())? {
+                true => Ok((run, own)),
+                false => Err(Failed::Device(GpuError::Contradicted { adapter: self.adapter.clone() })),
+            };
+            let part = match job.run(&carrier, numbers.clone()).and_then(compared) {
+                Ok((run, own)) => {
+                    report.add(own);
+                    PhotonPart { photons: numbers.clone(), run, histories: None }
+                }
+                Err(Failed::Photon(error)) => return Err(error.into()),
+                Err(Failed::Device(error)) => {
+                    report.problem = Some(error);
+                    let rest = RunSettings { photons: at..end, ..settings.clone() };
+                    return simulate_parts(detector, evaluator, source, &rest, None, merge);
+                }
+            };
+            merge(part)?;
+            at = numbers.end;
+            if at >= end {
+                return Ok(());
+            }
+        }
+    }
+}
+
+/// The reason why a batch has no result.
+enum Failed {
+    Photon(PhotonError),
+    Device(GpuError),
+}
+
+impl From<Stopped<PhotonError>> for Failed {
+    fn from(stopped: Stopped<PhotonError>) -> Failed {
+        Failed::Photon(match stopped {
+            Stopped::Cancelled => PhotonError::Cancelled,
+            Stopped::Failed(error) => error,
+        })
+    }
+}
+
+/// A run on a device.
+struct Job<'r, E> {
+    tables: &'r Tables,
+    detector: &'r Detector,
+    evaluator: &'r E,
+    source: &'r Source,
+    settings: &'r RunSettings,
+}
+
+impl<E: Evaluator> Job<'_, E> {
+    /// Simulates a batch of photons.
+    fn run(&self, carrier: &Carrier, numbers: Range<u64>) -> Result<(PhotonRun, PhotonDeviceReport), Failed> {
+        let cancel = &self.settings.cancel;
+        let count = numbers.end - numbers.start;
+        self.emit(carrier, numbers.clone())?;
+        let carried =
+            carrier.run(count as usize, &self.params(), || cancel.is_cancelled()).map_err(Failed::Device)?;
+        if cancel.is_cancelled() {
+            return Err(Failed::Photon(PhotonError::Cancelled));
+        }
+        let mut run = self.complete(&carried, numbers.start)?;
+        let counted = |place: usize| carried.counts[place - 2];
+        let report = PhotonDeviceReport {
+            photons: count,
+            handed_back: counted(FIRST_END + HANDED_BACK as usize - 1),
+            steps: counted(2),
+            problem: None,
+        };
+        run.photons += count;
+        run.steps += report.steps;
+        for (k, end) in End::ALL.into_iter().enumerate() {
+            add(&mut run.ends, end, counted(FIRST_END + k));
+        }
+        for (k, event) in EVENTS.into_iter().enumerate() {
+            add(&mut run.boundary_events, event, counted(FIRST_EVENT + k));
+        }
+        Ok((run, report))
+    }
+
+    /// True if the CPU has the same hits for the first photons of a batch.
+    fn agrees(&self, run: &PhotonRun, numbers: Range<u64>) -> Result<bool, Failed> {
+        let some = numbers.start..numbers.end.min(numbers.start + COMPARED);
+        let mut batch = Batch::new(self.detector, self.evaluator, self.settings, ());
+        let own = batch.run(self.source, some.clone()).map_err(|shortage| Failed::Photon(shortage.into()))?;
+        Ok(run.hits.begins_with(&own.hits, some.end))
+    }
+
+    /// Uploads the photons of a batch, as the source emits them.
+    fn emit(&self, carrier: &Carrier, numbers: Range<u64>) -> Result<(), Failed> {
+        let key = EventKey { seed: self.settings.seed, event: self.settings.event };
+        let start = numbers.start;
+        drive(
+            thread_count(self.settings.threads),
+            &self.settings.cancel,
+            chunks(numbers),
+            || self.evaluator.scratch(),
+            |scratch, numbers: Range<u64>| {
+                let mut photons = Vec::new();
+                let emitter = (self.detector, self.evaluator);
+                self.source.emit(emitter, scratch, key, numbers.clone(), &mut photons);
+                ((numbers.start - start) as usize, states(numbers, key, &photons))
+            },
+            |(first, (numbers, words))| {
+                carrier.load(first, &numbers, &words);
+                Ok(())
+            },
+        )?;
+        Ok(())
+    }
+
+    /// The parameters of the kernel behind the first two.
+    fn params(&self) -> [u32; 8] {
+        let RunSettings { seed, max_time, max_steps, detection, wls_time_profile, .. } = *self.settings;
+        let halves = |bits: u64| [bits as u32, (bits >> 32) as u32];
+        let ([a, b], [c, d]) = (halves(seed), halves(max_time.to_bits()));
+        let rules = [
+            (detection != DetectionRule::Volume, BY_EFFICIENCY),
+            (detection != DetectionRule::Efficiency, BY_VOLUME),
+            (wls_time_profile == TimeProfile::Exponential, EXPONENTIAL),
+        ];
+        let rules = rules.iter().filter(|(holds, _)| *holds).map(|(_, bit)| bit).sum();
+        [PASS, max_steps, a, b, c, d, rules, 0]
+    }
+
+    /// The hits, and the results of the photons that the CPU continues; `first` is the number of the first photon.
+    fn complete(&self, carried: &Carried, first: u64) -> Result<PhotonRun, Failed> {
+        let key = EventKey { seed: self.settings.seed, event: self.settings.event };
+        let mut rows: Vec<u32> = (0..(carried.words.len() / ROW[1]) as u32).collect();
+        rows.sort_unstable_by_key(|&row| carried.words[ROW[1] * row as usize]);
+        let returned = |&row: &u32| Returned::new(carried, row as usize, (first, key));
+        let work = |batch: &mut Batch<'_, E, ()>, rows: &[u32]| {
+            let all = || rows.iter().map(returned);
+            let flights = all().filter(|own| own.state == HANDED_BACK);
+            let flights = flights.map(|own| (own.flight, self.tables.next.start(own.start)));
+            let detected = all().filter(|own| own.state == DETECTED);
+            let volume = |own: &Returned| Some((own.after, self.tables.next.face(own.facet)?));
+            let detected = detected.filter_map(|own| Some((own.flight, volume(&own)?)));
+            batch.resume(self.source, flights, detected).map_err(PhotonError::from)
+        };
+        let mut total = PhotonRun::default();
+        drive(
+            thread_count(self.settings.threads),
+            &self.settings.cancel,
+            rows.chunks(BATCH as usize),
+            || Batch::new(self.detector, self.evaluator, self.settings, ()),
+            work,
+            |run| {
+                total.append(run?);
+                Ok(())
+            },
+        )?;
+        if total.hits.is_empty() {
+            total.hits = Hits::default();
+            total.hits.genstep = self.source.parents(&[]);
+        }
+        Ok(total)
+    }
+}
+
+/// Adds a count of a kind of events, if it is not 0.
+fn add<K: Ord>(counts: &mut std::collections::BTreeMap<K, u64>, kind: K, count: u64) {
+    if count > 0 {
+        *counts.entry(kind).or_default() += count;
+    }
+}
+
+/// The bytes of the states of new photons: of their numbers and of their words.
+fn states(numbers: Range<u64>, key: EventKey, photons: &[Photon]) -> (Vec<u8>, Vec<u8>) {
+    let [mut own_numbers, mut own_words] =
+        [8 * STATE[0], 4 * STATE[1]].map(|size| Vec::with_capacity(size * photons.len()));
+    for (number, photon) in numbers.zip(photons) {
+        let vectors = [photon.position, photon.direction, photon.polarisation];
+        for value in vectors.iter().flat_map(|vector| vector.to_array()).chain([photon.energy, photon.time]) {
+            own_numbers.extend_from_slice(&value.to_le_bytes());
+        }
+        let number = key.number(number);
+        for word in [(number >> 32) as u32, number as u32, 0, 0, 0] {
+            own_words.extend_from_slice(&word.to_le_bytes());
+        }
+    }
+    (own_numbers, own_words)
+}
+
+/// A range of photons in parts that the CPU simulates together.
+fn chunks(numbers: Range<u64>) -> impl Iterator<Item = Range<u64>> + Send {
+    let Range { start, end } = numbers;
+    (0..(end - start).div_ceil(BATCH)).map(move |k| start + k * BATCH..(start + (k + 1) * BATCH).min(end))
+}
+
+/// A photon that came back.
+struct Returned {
+    flight: Flight,
+    state: u32,
+    start: u32,
+    after: u32,
+    facet: u32,
+}
+
+impl Returned {
+    fn new(carried: &Carried, row: usize, (first, key): (u64, EventKey)) -> Returned {
+        let numbers = &carried.numbers[ROW[0] * row..ROW[0] * (row + 1)];
+        let words = &carried.words[ROW[1] * row..ROW[1] * (row + 1)];
+        let vector = |k: usize| Vec3::new(numbers[k], numbers[k + 1], numbers[k + 2]);
+        let photon = Photon {
+            position: vector(0),
+            direction: vector(3),
+            polarisation: vector(6),
+            energy: numbers[9],
+            time: numbers[10],
+        };
+        let origin = first + u64::from(words[0]);
+        let flight = Flight { origin, number: key.number(origin), steps: words[2], region: u32::MAX, photon };
+        Returned { flight, state: words[1], start: words[3], after: words[4], facet: words[5] }
+    }
+}
