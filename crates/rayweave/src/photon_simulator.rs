@@ -65,15 +65,23 @@ impl PhotonSimulator {
         records: bool,
     ) -> Result<PhotonSimulator, DeviceError> {
         if options.device == Device::Cpu {
-            return Ok(PhotonSimulator::default());
+            return Ok(PhotonSimulator::on_cpu(None));
         }
         let made =
             if records { Err(DeviceError::Histories) } else { PhotonSimulator::on_gpu(options, detector) };
         match made {
             Err(problem) if options.device == Device::Auto => {
-                Ok(PhotonSimulator { notice: Some(problem.to_string()), ..PhotonSimulator::default() })
+                Ok(PhotonSimulator::on_cpu(Some(problem.to_string())))
             }
             made => made,
+        }
+    }
+
+    fn on_cpu(notice: Option<String>) -> PhotonSimulator {
+        PhotonSimulator {
+            notice,
+            #[cfg(feature = "gpu")]
+            gpu: None,
         }
     }
 
