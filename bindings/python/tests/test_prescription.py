@@ -1,6 +1,7 @@
 """Prescriptions, their first-order data and their images, compared with published data, a peer, and closed forms."""
 
 import csv
+import inspect
 import math
 import pickle
 import re
@@ -640,6 +641,62 @@ def test_tolerances_of_the_focal_length() -> None:
     assert found.quantile(0.5) == pytest.approx(f, abs=5 * sigma / math.sqrt(500))
     assert found.units == {"radius 1": "mm", "radius 2": "mm", "merit": "mm", "shift": "mm", "lost": ""}
     assert found.failures == 0
+
+
+def test_the_change_of_the_merit_finds_the_worst_tolerance() -> None:
+    # to either side a mirrored tilt has the same effect: its slope is 0, although it is the worst of these errors
+    errors: dict[str, optics.Spread] = {"radius 1": 0.001, "tilt x 3-4": 0.1, "index 3": 1e-6}
+    alone = optics.tolerance(cooke_triplet(), errors, trials=1, rings=3).sensitivities
+    changes = [np.abs(alone[end] - alone["nominal"]) for end in ("minus", "plus")]
+    np.testing.assert_array_equal(alone["change"], np.maximum(*changes))
+    assert alone["parameter"][alone["change"].argmax()] == "tilt x 3-4"
+    assert abs(alone["slope"][1]) < 1e-3 * np.abs(alone["slope"]).max()
+    assert alone.units["change"] == alone.units["nominal"] == "mm"
+
+
+def test_a_prescription_has_the_arguments_of_its_constructor() -> None:
+    surfaces = [Surface(50, 5, (1.5, 60.0), conic=-1, semi_diameter=8), Surface(-50, 46, even=(0, 1e-5)), Surface(30, 4, "mirror")]
+    given = {
+        "name": "one",
+        "notes": ("a note",),
+        "unit": "cm",
+        "f_number": 5.0,
+        "fields": ((0.0, 1.0), (2.0, 3.0)),
+        "field_kind": "object height",
+        "wavelengths_nm": (486.0, 587.0, 656.0),
+        "weights": (1.0, 2.0, 3.0),
+        "primary": 1,
+        "object_distance": 100.0,
+        "stop": 2,
+        "image_radius": 70.0,
+        "image_conic": -1.0,
+        "image_semi_diameter": 9.0,
+    }
+    lens = Prescription(surfaces, **given)
+    assert {name: getattr(lens, name) for name in given} == given
+    assert (lens.entrance_pupil_diameter, lens.object_numerical_aperture, lens.stop_semi_diameter) == (None, None, None)
+    # the attributes are arguments of the constructor
+    names = [name for name in inspect.signature(Prescription.__init__).parameters if name != "self"]
+    assert set(given) < set(names)
+    assert Prescription(**{name: getattr(lens, name) for name in names}) == lens
+    with pytest.raises(AttributeError, match="Did you mean entrance_pupil_diameter"):
+        _ = lens.epd  # type: ignore[attr-defined]
+
+
+def test_the_text_of_a_prescription_is_its_table() -> None:
+    surfaces = [Surface(50, 5, (1.5, 60.0), conic=-1, semi_diameter=8), Surface(-50, 46, even=(0, 1e-5))]
+    lens = Prescription(surfaces, f_number=8, stop=2, wavelengths_nm=[486, 587], weights=[1, 2], primary=1, name="one")
+    lines = str(lens).splitlines()
+    assert lines[0] == "one: 2 surfaces, F-number 8"
+    assert lines[2] == "wavelengths in nm: 486, 587 (primary, weight 2)"
+    assert lines[3].split() == ["surface", *"radius / mm thickness / mm behind semi-diameter / mm conic remarks".split()]
+    assert lines[4].split() == ["1", "50", "5", "1.5", "60", "8", "-1"]
+    assert lines[5].split()[:3] == ["2", "-50", "46"]
+    assert lines[5].endswith("stop, aspheric terms")
+    assert lines[6].split() == ["image", "inf"]
+    # surfaces that cross have no solids
+    crossing = Prescription([Surface(20, 1, "N-BK7", semi_diameter=15), Surface(-20, 46, semi_diameter=15)], entrance_pupil_diameter=5)
+    assert "15" in str(crossing)
 
 
 def test_tolerances_with_tilts_and_refocusing() -> None:

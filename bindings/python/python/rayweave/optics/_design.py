@@ -31,8 +31,11 @@ Merit = Literal["spot", "wavefront", "focal length", "back focal distance", "ima
 
 class Sensitivities(Columns):
     """The effect of each `parameter` alone on the merit: `minus` and `plus`, the merits with the parameter too small
-    and too large by its maximum or standard deviation `spread`, and `slope`, their difference divided by that of the
-    parameter.
+    and too large by its maximum or standard deviation `spread`; `change`, the larger of their two distances from `nominal`,
+    the merit without errors; and `slope`, their difference divided by that of the parameter.
+
+    `change` compares parameters of different units: the parameter with the largest one matters most. `slope` does not: it
+    is per unit of the parameter, and 0 where an error to either side has the same effect. The rows have the order of the errors.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -40,14 +43,17 @@ class Sensitivities(Columns):
     >>> found = ro.tolerance(lens, {"thickness 1": 0.1}, trials=20)
     >>> found.sensitivities["parameter"].tolist()
     ['thickness 1']
+    >>> found = ro.tolerance(lens, {"thickness 1": 0.1, "index 1": 0.001}, trials=20)
+    >>> alone = found.sensitivities
+    >>> str(alone["parameter"][alone["change"].argmax()])
+    'index 1'
     """
 
     def show(self, *, ax: Axes | None = None, most: int = 20) -> Axes:
         """Draws the changes of the merit as bars; the parameter with the largest change is on top. Only the `most` parameters
         with the largest changes are drawn."""
         ax = _axes(ax)
-        changes = [np.abs(self[name] - self["nominal"]) for name in ("minus", "plus")]
-        order = np.argsort(np.maximum(*changes))[-whole(most, "most", least=1) :]
+        order = np.argsort(self["change"])[-whole(most, "most", least=1) :]
         ax.tick_params(axis="y", labelsize="small" if len(order) > 10 else "medium")
         for name in ("minus", "plus"):
             ax.barh(self["parameter"][order], self[name][order] - self["nominal"][order], label=name, alpha=0.7)
@@ -163,14 +169,19 @@ def tolerance(
     )
     table.nominal, table.mirrored = found["nominal"], found["mirrored"]
     alone: NDArray[np.float64] = np.array(found["alone"])
+    minus, plus, slope = (alone[:, k] for k in range(3))
     table.sensitivities = Sensitivities(
         {
             "parameter": list(spreads),
             "spread": [scale for _, scale in spreads.values()],
             "nominal": np.full(len(spreads), table.nominal),
-            **{name: alone[:, k] for k, name in enumerate(("minus", "plus", "slope"))},
+            "minus": minus,
+            "plus": plus,
+            # NaN without light at one of the two ends
+            "change": np.maximum(np.abs(plus - table.nominal), np.abs(minus - table.nominal)),
+            "slope": slope,
         },
-        dict.fromkeys(("nominal", "minus", "plus"), unit),
+        dict.fromkeys(("nominal", "minus", "plus", "change"), unit),
     )
     return table
 
