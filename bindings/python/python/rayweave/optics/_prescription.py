@@ -50,6 +50,7 @@ from rayweave.optics._images import (
     diffraction_limit,
 )
 from rayweave.optics._pupil import RINGS, PupilSample, best_shift, even_points, pupil_deviation, pupil_grid, pupil_quadrature
+from rayweave.optics._surface_table import prescription_text
 from rayweave.optics._system import _UNIT_NM, System, Trace
 
 if TYPE_CHECKING:
@@ -400,11 +401,24 @@ class Prescription:
     of the paraxial image. `stop` is the number of the surface at the aperture stop. `breaks` fold and tilt the axis;
     first-order data are those of the surfaces on one axis.
 
+    The arguments of the constructor are attributes; of the four apertures, those that were not given are None.
+    `first_order` has the others' paraxial values. `print` shows the table of surfaces.
+
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
     >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
     >>> lens
     <Prescription: 2 surfaces, 2 fields>
+    >>> print(lens)
+    2 surfaces, entrance pupil diameter 10 mm
+    fields in degrees: (0, 0), (0, 5)
+    wavelengths in nm: 587.5618
+    surface  radius / mm  thickness / mm  behind  semi-diameter / mm  conic  remarks
+    1                 50               5  N-BK7               5.1226         stop
+    2                -50              46                       5.227
+    image            inf
+    >>> lens.entrance_pupil_diameter, lens.stop
+    (10.0, 1)
     >>> round(lens.first_order().focal_length, 3)
     49.213
     >>> lens.spots()["rms"].shape
@@ -524,6 +538,15 @@ class Prescription:
         name = f" {self.name!r}" if self.name else ""
         return f"<Prescription{name}: {len(self.surfaces)} surfaces, {len(self.fields)} fields>"
 
+    def __str__(self) -> str:
+        """The aperture, fields and wavelengths, and the surfaces as a table."""
+        try:
+            clear = self._compiled.semi_diameters().tolist()
+        except _core.RayweaveError:
+            # surfaces that cross have no solids, so that only stated semi-diameters are known
+            clear = [surface.semi_diameter for surface in self.surfaces]
+        return prescription_text(self, clear)
+
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
@@ -558,6 +581,56 @@ class Prescription:
         return tuple(self._compiled.frame()["fields"])
 
     @property
+    def field_kind(self) -> str:
+        """The kind of the fields: "angle", "object height" or "image height"."""
+        return str(self._compiled.frame()["field_kind"])
+
+    @property
+    def entrance_pupil_diameter(self) -> float | None:
+        """The diameter of the entrance pupil, if it states the aperture; None otherwise."""
+        return self._stated_aperture("entrance_pupil_diameter")
+
+    @property
+    def f_number(self) -> float | None:
+        """The F-number, if it states the aperture; None otherwise. `first_order` has that of any aperture."""
+        return self._stated_aperture("f_number")
+
+    @property
+    def object_numerical_aperture(self) -> float | None:
+        """The numerical aperture at the object, if it states the aperture; None otherwise."""
+        return self._stated_aperture("object_numerical_aperture")
+
+    @property
+    def stop_semi_diameter(self) -> float | None:
+        """The semi-diameter of the stop, if it states the aperture; None otherwise."""
+        return self._stated_aperture("stop_semi_diameter")
+
+    def _stated_aperture(self, kind: str) -> float | None:
+        own, size = self._compiled.frame()["aperture"]
+        return float(size) if own == kind else None
+
+    @property
+    def stop(self) -> int:
+        """The number of the surface at the aperture stop, from 1."""
+        return int(self._compiled.frame()["stop"])
+
+    @property
+    def image_radius(self) -> float:
+        """The radius of the image surface; inf for a plane."""
+        return float(self._compiled.frame()["image"][0])
+
+    @property
+    def image_conic(self) -> float:
+        """The conic constant of the image surface."""
+        return float(self._compiled.frame()["image"][1])
+
+    @property
+    def image_semi_diameter(self) -> float | None:
+        """The semi-diameter of the image surface, if it is stated."""
+        size = self._compiled.frame()["image"][2]
+        return None if size is None else float(size)
+
+    @property
     def object_distance(self) -> float:
         """The distance from the object to the first surface; inf for distant objects."""
         return float(self._compiled.frame()["object_distance"])
@@ -572,6 +645,16 @@ class Prescription:
     def wavelengths_nm(self) -> tuple[float, ...]:
         """The wavelengths in nanometres."""
         return tuple(line[0] for line in self._compiled.frame()["lines"])
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """The weights of the wavelengths."""
+        return tuple(line[1] for line in self._compiled.frame()["lines"])
+
+    @property
+    def primary(self) -> int:
+        """The number of the primary wavelength, from 0; `primary_nm` is its value."""
+        return int(self._compiled.frame()["primary"])
 
     @property
     def primary_nm(self) -> float:
@@ -1158,7 +1241,9 @@ _PRESCRIPTION_WORDS = {
     "load": "Prescription.read_zmx(path)",
     "focal_length": "first_order().focal_length",
     "bfl": "first_order().back_focal_distance",
-    "f_number": "first_order().f_number",
+    "epd": "entrance_pupil_diameter",
+    "na": "object_numerical_aperture",
+    "wavelengths": "wavelengths_nm",
     "paraxial": "first_order()",
     "psf": "diffraction_mtf(), which includes diffraction, or spots(), which does not",
     "fft_psf": "diffraction_mtf()",
