@@ -78,11 +78,26 @@ impl Numbers<'_> {
     }
 
     fn set(&mut self, element: &Element, name: &str, value: f64) {
-        if element.name == "constant" && self.names.is_set(name) {
-            let message = format!("the constant `{name}` is defined again: the later value is used.");
+        let kind = &element.name;
+        if self.names.is_set(name) {
+            self.warn_of_redefinition(element, name);
+        } else if let Some(unit) = units::value(name) {
+            let message = format!(
+                "the {kind} `{name}` has the name of a unit or constant: expressions such as `2*{name}` use its value {value} instead \
+                 of {unit}, and Geant4 rejects the redefinition. Rename it."
+            );
             self.context.warn(Trouble::new(message, element.place));
         }
         self.names.set(name, value);
+    }
+
+    /// Warns about a name that the file defines already, where Geant4 stops with "Redefinition of constant or variable".
+    fn warn_of_redefinition(&mut self, element: &Element, name: &str) {
+        let message = format!(
+            "the {} `{name}` is defined again: the later value is used, and Geant4 rejects the redefinition. Rename one of them.",
+            element.name
+        );
+        self.context.warn(Trouble::new(message, element.place));
     }
 
     /// `<expression name="x">text</expression>`.
@@ -92,7 +107,7 @@ impl Numbers<'_> {
             None => self.number(element, "value")?,
         };
         let name = self.name(element)?;
-        self.names.set(&name, value);
+        self.set(element, &name, value);
         Ok(())
     }
 
@@ -113,6 +128,9 @@ impl Numbers<'_> {
             let message =
                 format!("the matrix `{name}` has {} values: they must fill rows of {columns}.", values.len());
             return Err(self.tell(Trouble::new(message, attribute.place)));
+        }
+        if self.names.matrix(&name).is_some() {
+            self.warn_of_redefinition(element, &name);
         }
         self.names.set_matrix(&name, Matrix { columns, values });
         Ok(())

@@ -1,7 +1,7 @@
 //! Warnings for content that Geant4 accepts, with or without its own message.
 
 use super::{along, model, parse, volume};
-use rayweave_formats::Imported;
+use rayweave_formats::{Format, Imported, Options};
 use rayweave_model::Program;
 use std::sync::Arc;
 
@@ -198,4 +198,32 @@ fn holes_in_facets_are_reported() {
     let open = read(&cube(&[], &[2, 3]));
     assert!(open.scene.regions.is_empty());
     assert!(open.scene.warnings.iter().any(|warning| warning.message().contains("the solid `s` is refused")));
+}
+
+/// Geant4 stops with "Redefinition of constant or variable" at each of these.
+#[test]
+fn redefined_units_and_names_are_reported() {
+    let cube = "<box name=\"w\" x=\"200\" y=\"200\" z=\"200\"/><box name=\"b\" x=\"2*cm\" y=\"2\" z=\"2\"/>";
+    let with = |define: &str| read(&model(define, cube, &world(&placed(""), "")));
+    let unit = with("<constant name=\"cm\" value=\"1\"/>");
+    says(&unit, &["the constant `cm` has the name of a unit", "its value 1 instead of 10", "Geant4 rejects"]);
+    assert_eq!(warning(&unit).0, 2);
+    // the side is 2 of the file's own unit
+    assert_eq!(along(&unit, [-50.0, 0.0, 0.0], [1.0, 0.0, 0.0])[1].0, 49.0);
+    says(&with("<variable name=\"pi\" value=\"3\"/>"), &["the variable `pi`"]);
+    says(&with("<quantity name=\"eV\" value=\"2\" unit=\"MeV\"/>"), &["the quantity `eV`"]);
+    says(&with("<expression name=\"deg\">1</expression>"), &["the expression `deg`"]);
+    for (kind, attributes) in [
+        ("constant", "value=\"1\""),
+        ("variable", "value=\"1\""),
+        ("quantity", "value=\"1\" unit=\"mm\""),
+        ("matrix", "coldim=\"2\" values=\"1 2 3 4\""),
+    ] {
+        let row = format!("<{kind} name=\"a\" {attributes}/>");
+        assert!(with(&row).scene.warnings.is_empty(), "{kind}");
+        says(&with(&row.repeat(2)), &[&format!("the {kind} `a` is defined again: the later value is used")]);
+    }
+    let options = Options { strict: true, ..Options::default() };
+    let text = model("<constant name=\"cm\" value=\"1\"/>", cube, &world(&placed(""), ""));
+    assert!(rayweave_formats::parse(&text, Format::Gdml, &[], &options).is_err());
 }
