@@ -130,6 +130,7 @@ impl GoalOf {
             ("wavefront", &[field, wavelength_nm]) => {
                 Operand::Wavefront { field: whole("field", field)?, wavelength_nm }
             }
+            ("distortion", &[field]) => Operand::Distortion { field: whole("field", field)? },
             ("edge", &[surface, height]) => {
                 Operand::EdgeThickness { surface: whole("surface", surface)?, height }
             }

@@ -1,6 +1,7 @@
 //! Field aberrations: distortion and field curvature.
 
 use super::{LensAnalysisError, Study};
+use crate::prescription::{Prescription, PrescriptionError, Resolved};
 use rayweave_model::Evaluator;
 
 /// The pupil distance between the chief ray and the neighbours that measure field curvature, in units of
@@ -33,6 +34,23 @@ pub struct FieldFoci {
     pub sagittal: f64,
 }
 
+/// The height of the paraxial chief ray of a field on the image plane.
+pub(crate) fn paraxial_height(
+    lens: &Prescription,
+    resolved: &Resolved,
+    field: usize,
+    wavelength_nm: f64,
+) -> Result<f64, PrescriptionError> {
+    let ray = lens.launch(resolved, field)?.ray([0.0; 2]);
+    let pupil = lens.first_order_resolved(resolved, lens.primary_nm())?.entrance_pupil.position;
+    let slope = libm::hypot(ray.direction.x, ray.direction.y) / ray.direction.z;
+    let n = resolved.indices(wavelength_nm)?;
+    let matrix = lens.first_order_resolved(resolved, wavelength_nm)?.matrix;
+    let [y, nu] = matrix.apply([-slope * pupil, n[0] * slope]);
+    let last = lens.surfaces.len();
+    Ok(y + lens.surfaces[last - 1].thickness * nu / n[last])
+}
+
 impl<E: Evaluator> Study<'_, E> {
     /// The distortion of a field at a wavelength. The chief ray is aimed at the centre of the stop in
     /// every study.
@@ -41,21 +59,8 @@ impl<E: Evaluator> Study<'_, E> {
     /// As for [`Study::chief_ray`].
     pub fn distortion(&self, field: usize, wavelength_nm: f64) -> Result<Distortion, LensAnalysisError> {
         let position = self.chief_ray(field, wavelength_nm)?.position;
-        let paraxial = self.paraxial_height(field, wavelength_nm)?;
+        let paraxial = paraxial_height(self.lens, &self.lens.resolved()?, field, wavelength_nm)?;
         Ok(Distortion { real: libm::hypot(position.x, position.y), paraxial: paraxial.abs() })
-    }
-
-    /// The height of the paraxial chief ray on the image plane.
-    fn paraxial_height(&self, field: usize, wavelength_nm: f64) -> Result<f64, LensAnalysisError> {
-        let resolved = self.lens.resolved()?;
-        let ray = self.lens.launch(&resolved, field)?.ray([0.0; 2]);
-        let pupil = self.lens.first_order(self.lens.primary_nm())?.entrance_pupil.position;
-        let slope = libm::hypot(ray.direction.x, ray.direction.y) / ray.direction.z;
-        let n = resolved.indices(wavelength_nm)?;
-        let matrix = self.lens.first_order(wavelength_nm)?.matrix;
-        let [y, nu] = matrix.apply([-slope * pupil, n[0] * slope]);
-        let last = self.lens.surfaces.len();
-        Ok(y + self.lens.surfaces[last - 1].thickness * nu / n[last])
     }
 
     /// The tangential and sagittal foci of a field (Coddington) at a wavelength, computed from rays a

@@ -49,6 +49,7 @@ pub(crate) use arrivals::sequential_arrival;
 pub use arrivals::{Arrival, arrivals};
 pub use energy::{encircled_energy, encircled_energy_radius, geometric_mtf};
 pub use error::LensAnalysisError;
+pub(crate) use field::paraxial_height;
 pub use field::{Distortion, FieldFoci};
 pub(crate) use focus::focal_moments;
 pub use focus::{best_focus, defocused, through_focus};

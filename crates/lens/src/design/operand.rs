@@ -2,8 +2,9 @@
 
 use super::variant::Variant;
 use super::{DesignError, DesignParameter};
-use crate::analysis::{Arrival, PupilQuadrature, Spot};
+use crate::analysis::{Arrival, Distortion, PupilQuadrature, Spot, paraxial_height};
 use crate::paraxial::Seidel;
+use crate::prescription::PrescriptionError;
 use rayweave_optics::component::{Asphere, SurfaceForm};
 
 /// A Seidel sum, or a chromatic one.
@@ -44,8 +45,14 @@ pub enum Operand {
     Defocus,
     /// The lateral magnification at the primary wavelength.
     Magnification,
-    /// A Seidel sum over all surfaces.
+    /// A Seidel sum over all surfaces: third-order aberrations of the last field.
     Seidel(SeidelTerm),
+    /// The relative distortion of the chief ray of a field at the primary wavelength, of all orders
+    /// ([`Distortion::relative`]); 0 on the axis.
+    Distortion {
+        /// The field, counted from 0.
+        field: usize,
+    },
     /// The transverse aberrations of the rays of a field from their centroid, along x and y, times the roots of
     /// the weights of their points of the pupil ([`PupilQuadrature::gaussian`]): the root of the sum of their
     /// squares is the RMS radius of the spot.
@@ -149,6 +156,7 @@ impl Goal {
         let values = match self.operand {
             Operand::Spot { field, wavelength_nm } => spot(variant, field, wavelength_nm, pupil)?,
             Operand::Wavefront { field, wavelength_nm } => wavefront(variant, field, wavelength_nm, pupil)?,
+            Operand::Distortion { field } => distortion(variant, field)?.map(|value| vec![value]),
             operand => Some(vec![number(operand, variant)?]),
         };
         Ok(values.filter(|values| values.iter().all(|value| value.is_finite())))
@@ -197,6 +205,24 @@ fn wavefront(
     Ok(whole.map(|wavefront| wavefront.deviations().map(|(off, weight)| weight.sqrt() * off).collect()))
 }
 
+/// The relative distortion of a field; `None` if its chief ray does not arrive.
+fn distortion(variant: &Variant, field: usize) -> Result<Option<f64>, DesignError> {
+    let (lens, nm) = (&variant.lens, variant.lens.primary_nm());
+    if lens.fields.get(field) == Some(&[0.0; 2]) {
+        return Ok(Some(0.0));
+    }
+    let centre = match lens.chief_ray_pupil_point(field, nm) {
+        Ok(point) => PupilQuadrature::equal(&[point]),
+        Err(PrescriptionError::Lost { .. }) => return Ok(None),
+        Err(error) => return Err(error.into()),
+    };
+    let rays = variant.arrivals(field, nm, &centre)?;
+    let Some(chief) = rays.first() else { return Ok(None) };
+    let real = libm::hypot(chief.position.x, chief.position.y);
+    let paraxial = paraxial_height(lens, &variant.resolved, field, nm)?.abs();
+    Ok(Some(Distortion { real, paraxial }.relative()))
+}
+
 fn number(operand: Operand, variant: &Variant) -> Result<f64, DesignError> {
     let lens = &variant.lens;
     let first_order = || variant.first_order(lens.primary_nm());
@@ -211,8 +237,8 @@ fn number(operand: Operand, variant: &Variant) -> Result<f64, DesignError> {
         Operand::Seidel(term) => term.of(&Seidel::sum(&lens.seidel()?)),
         Operand::Value(parameter) => parameter.value(lens)?,
         Operand::EdgeThickness { surface, height } => edge(variant, surface, height)?,
-        // these have several values
-        Operand::Spot { .. } | Operand::Wavefront { .. } => f64::NAN,
+        // these need rays
+        Operand::Spot { .. } | Operand::Wavefront { .. } | Operand::Distortion { .. } => f64::NAN,
     })
 }
 
@@ -220,12 +246,7 @@ fn number(operand: Operand, variant: &Variant) -> Result<f64, DesignError> {
 fn edge(variant: &Variant, surface: usize, height: f64) -> Result<f64, DesignError> {
     let lens = &variant.lens;
     let count = lens.surfaces.len();
-    let no_such = || crate::prescription::PrescriptionError::NoSuch {
-        what: "surface",
-        number: surface,
-        first: 1,
-        last: count,
-    };
+    let no_such = || PrescriptionError::NoSuch { what: "surface", number: surface, first: 1, last: count };
     let front = surface.checked_sub(1).and_then(|k| lens.surfaces.get(k)).ok_or_else(no_such)?;
     let back = lens.surfaces.get(surface);
     let image = SurfaceForm::from(Asphere::conic(lens.image.radius, lens.image.conic));

@@ -202,3 +202,39 @@ fn refusals() {
     let spot = Goal::equal(Operand::Spot { field: 0, wavelength_nm: Some(500.0) }, 0.0);
     assert!(text(Optimiser::new(&wide).vary(parameter("radius 1")).goal(spot)).contains("cannot begin"));
 }
+
+/// A stop in front of a plane-parallel plate: the chief ray leaves the plate parallel to itself, and Snell's law gives its height.
+#[test]
+fn the_distortion_of_the_chief_ray_behind_a_plate() {
+    let (thickness, n, angle) = (12.0, 1.6, 40.0);
+    let lens = |distance: f64| {
+        let surfaces = vec![
+            Surface::new(f64::INFINITY, 3.0, Behind::Air),
+            Surface::new(f64::INFINITY, thickness, Behind::Index(n)),
+            Surface::new(f64::INFINITY, distance, Behind::Air),
+        ];
+        let mut lens = Prescription::new(surfaces).entrance_pupil_diameter(1.0);
+        lens.fields = vec![[0.0; 2], [0.0, angle]];
+        lens
+    };
+    let slope = f64::tan(f64::to_radians(angle));
+    let inside = f64::tan(f64::asin(f64::sin(f64::to_radians(angle)) / n));
+    let relative = |air: f64| (air * slope + thickness * inside) / (slope * (air + thickness / n)) - 1.0;
+    let goal = Goal::equal(Operand::Distortion { field: 1 }, 0.0);
+    let at_axis = Goal::equal(Operand::Distortion { field: 0 }, 0.0);
+    let start = lens(30.0);
+    let first = Optimiser::new(&start).vary(parameter("thickness 3")).goal(at_axis).goal(goal).run().unwrap();
+    near(first.goals[1].values[0], relative(33.0), 1e-12);
+    assert_eq!(first.goals[0].values[0], 0.0);
+    // the third-order sum is a length
+    let sum = Goal::equal(Operand::Seidel(SeidelTerm::Distortion), 0.0);
+    let third = Optimiser::new(&start).vary(parameter("thickness 3")).goal(sum).run().unwrap();
+    assert!((third.goals[0].values[0] - relative(33.0)).abs() > 1e-4);
+    // the distance at which the distortion has a given value
+    let goal = Goal::equal(Operand::Distortion { field: 1 }, relative(20.0)).weight(1e3);
+    let found = Optimiser::new(&start).vary(parameter("thickness 3")).goal(goal).run().unwrap();
+    near(found.lens.surfaces[2].thickness, 17.0, 1e-6);
+    let missing = Goal::equal(Operand::Distortion { field: 2 }, 0.0);
+    let error = Optimiser::new(&start).vary(parameter("thickness 3")).goal(missing).run().unwrap_err();
+    assert!(error.to_string().contains("field"), "{error}");
+}

@@ -281,15 +281,19 @@ def goal(
 
     Operands of one number: "focal length", "back focal distance", "defocus" (from the image to the paraxial image),
     "magnification"; the Seidel sums "spherical", "coma", "astigmatism", "petzval", "distortion", "axial colour",
-    "lateral colour"; a parameter by its name, such as "thickness 1"; "edge", the distance from a `surface` to the next
-    one at a `height` from the axis. Operands of all rays of a `field`: "spot", whose sum of squares is the square of
-    the RMS radius, and "wavefront" at a wavelength, whose sum of squares is the square of the RMS in waves. A spot
-    contains all wavelengths with their weights about their common centroid, as `Prescription.spots` and `tolerance`; with
-    `wavelength_nm` it has one wavelength and its own centroid, and lateral colour does not count.
+    "lateral colour", which are third-order aberrations of the last field; a parameter by its name, such as "thickness
+    1"; "edge", the distance from a `surface` to the next one at a `height` from the axis. "distortion" with a `field`
+    is another operand: the relative distortion of its real chief ray at the primary wavelength, as in
+    `Prescription.distortion`, and 0 on the axis. Operands of all rays of a `field`: "spot", whose sum of squares is
+    the square of the RMS radius, and "wavefront" at a wavelength, whose sum of squares is the square of the RMS in
+    waves. A spot contains all wavelengths with their weights about their common centroid, as `Prescription.spots` and
+    `tolerance`; with `wavelength_nm` it has one wavelength and its own centroid, and lateral colour does not count.
 
     >>> import rayweave.optics as ro
     >>> ro.goal("focal length", 50, weight=2).target
     'equal'
+    >>> ro.goal("distortion", at_most=0.01, field=1).numbers
+    (1.0,)
     >>> ro.goal("spot", field=0).numbers, ro.goal("spot", field=0, wavelength_nm=587.6).numbers
     ((0.0,), (0.0, 587.6))
     """
@@ -305,6 +309,8 @@ def goal(
         near = get_close_matches(operand, [*known, *_QUANTITIES], 1)
         suggestion = _OPERAND_WORDS.get(operand.lower()) or (near[0] if near else None)
         hint = f" Did you mean {suggestion!r}?" if suggestion else ""
+        if "dist" in operand.lower():
+            hint = ' goal("distortion", field=1) is that of the real chief ray of a field, goal("distortion") the third-order sum.'
         quantities = ", ".join(_QUANTITIES)
         raise _core.RayweaveError(
             f"there is no operand {operand!r}: there are {', '.join(known)}, and a parameter with the number of its surface, "
@@ -312,6 +318,8 @@ def goal(
         )
     places = {"field": field, "wavelength_nm": wavelength_nm, "surface": surface, "height": height}
     names: tuple[str, ...] = ("surface", "height") if operand == "edge" else ()
+    if operand == "distortion" and field is not None:
+        names = ("field",)
     if operand in _RAY_OPERANDS:
         # the spot of all wavelengths needs none
         names = ("field",) if operand == "spot" and wavelength_nm is None else ("field", "wavelength_nm")
