@@ -15,6 +15,8 @@ pub struct LensData {
     unit: &'static str,
     first_order: FirstOrder,
     is_finite: bool,
+    /// The distance from the last vertex to the image surface.
+    image_surface: f64,
     /// The coordinates of the outermost field, as text, and the relative distortion there; none for a field on the axis.
     distortion: Option<(String, f64)>,
 }
@@ -36,18 +38,23 @@ impl LensData {
             unit,
             first_order: lens.first_order(nm)?,
             is_finite: lens.object_distance.is_finite(),
+            image_surface: lens.surfaces.last().map_or(f64::NAN, |last| last.thickness),
             distortion,
         })
     }
 
     /// The data as a table.
     pub fn text(&self) -> String {
-        let FirstOrder { focal_length, back_focal_distance, f_number, magnification, .. } = self.first_order;
+        let FirstOrder { focal_length, back_focal_distance, f_number, magnification, image_distance, .. } =
+            self.first_order;
         let six = |value: f64| if value.is_finite() { short(rounded(value, 6)) } else { "-".to_owned() };
         let length = |value: f64| format!("{} {}", six(value), self.unit);
         let mut rows = vec![
             ["focal length".to_owned(), length(focal_length)],
             ["back focal distance".to_owned(), length(back_focal_distance)],
+            ["paraxial image distance".to_owned(), length(image_distance)],
+            ["actual image distance".to_owned(), length(self.image_surface)],
+            ["defocus".to_owned(), length(self.defocus())],
             ["F-number".to_owned(), six(f_number)],
         ];
         if self.is_finite {
@@ -62,6 +69,14 @@ impl LensData {
         terminal::table(&[&head, "value"], &rows, &[false, false])
     }
 
+    /// The distance from the image surface to the paraxial image.
+    fn defocus(&self) -> f64 {
+        let far = self.image_surface.abs();
+        let defocus = self.first_order.image_distance - self.image_surface;
+        // the difference of equal distances is a rounding error
+        if defocus.abs() <= 1e-12 * far { 0.0 } else { defocus }
+    }
+
     /// The data as JSON; numbers that do not exist are null.
     pub fn json(&self) -> Value {
         let found = &self.first_order;
@@ -74,6 +89,8 @@ impl LensData {
             "f_number": found.f_number,
             "magnification": found.magnification,
             "image_distance": found.image_distance,
+            "image_surface_distance": self.image_surface,
+            "defocus": self.defocus(),
             "entrance_pupil": pupil(&found.entrance_pupil),
             "exit_pupil": pupil(&found.exit_pupil),
             "distortion": self.distortion.as_ref().map(|(_, distortion)| distortion),

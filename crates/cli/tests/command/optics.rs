@@ -326,6 +326,15 @@ fn a_lens_file() {
     // two fields of 880 rays, each through two faces to the image and beyond
     assert!(said.starts_with("lens.ZMX: 1760 rays, 7040 segments"), "{said}");
     assert!(!said.contains("on other paths"), "{said}");
+    // the image surface is behind the paraxial image of a plano-convex lens, whose distance is f - d / n
+    let length = |name: &str| -> f64 {
+        let line = said.lines().find(|line| line.starts_with(name)).unwrap();
+        line.split_whitespace().rev().nth(1).unwrap().parse().unwrap()
+    };
+    let paraxial = length("focal length") - 3.0 / 1.5168;
+    assert!((length("paraxial image distance") - paraxial).abs() < 1e-3, "{said}");
+    assert_eq!(length("actual image distance"), 94.775);
+    assert!((length("defocus") - (paraxial - 94.775)).abs() < 1e-3, "{said}");
     let image: Vec<&str> =
         said.lines().find(|line| line.starts_with("image ")).unwrap().split_whitespace().collect();
     // mean of the fields of 0 and 1 degree, with the focal length of 96.75 mm = 50 / 0.5168
