@@ -232,7 +232,7 @@ impl PhotonReport {
         };
         let rows: Vec<Vec<String>> = End::ALL.iter().filter_map(row).collect();
         let mut text = terminal::table(&["end", "photons", "%"], &rows, &[false, true, true]) + "\n";
-        if self.sensors.len() > 1 {
+        if !self.sensors.is_empty() {
             text += &self.sensor_table();
         }
         if let Some(counts) = &self.counts {

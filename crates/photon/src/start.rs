@@ -3,6 +3,7 @@
 use crate::detector::Detector;
 use crate::error::PhotonError;
 use crate::photon::{EventKey, Photon};
+use crate::property::{PropertyTable, wavelength_nm};
 use crate::settings::RunSettings;
 use crate::source::Source;
 use rayweave_model::{Evaluator, RegionId};
@@ -30,8 +31,8 @@ pub fn emit<E: Evaluator>(
 /// The number of photons whose places are checked.
 const CHECKED: u64 = 1000;
 
-/// Checks where the first photons of a run start. Returns a sentence if some of them start outside the world or in a
-/// material without a refractive index, where they end at once.
+/// Checks the first photons of a run. Returns a sentence if some of them start outside the world or in a material without a
+/// refractive index, where they end at once, or else if the energies of all are outside the tables of all indices.
 ///
 /// # Errors
 ///
@@ -52,7 +53,7 @@ pub fn check_start<E: Evaluator>(
     evaluator.regions_at(columns.each_ref().map(Vec::as_slice), &mut evaluator.scratch(), &mut regions);
     let is_lost = |region: &RegionId| detector.material(*region).index.is_none();
     let lost = regions.iter().filter(|region| is_lost(region)).count();
-    let Some(at) = regions.iter().position(is_lost) else { return Ok(None) };
+    let Some(at) = regions.iter().position(is_lost) else { return Ok(beyond_tables(detector, &photons)) };
     let place = match regions[at].0 {
         0 => "outside the world".to_owned(),
         region => {
@@ -71,4 +72,34 @@ pub fn check_start<E: Evaluator>(
         photons.len(),
         start + at as u64
     )))
+}
+
+/// A sentence if the energies of all photons are outside the tables of all refractive indices.
+fn beyond_tables(detector: &Detector, photons: &[Photon]) -> Option<String> {
+    let tables = detector.materials().iter().filter_map(|material| material.index.as_ref());
+    let range = |table: &PropertyTable| match table.energies() {
+        [first, .., last] => [*first, *last],
+        // a single value has no range
+        _ => [0.0, f64::INFINITY],
+    };
+    let ranges: Vec<[f64; 2]> = tables.map(range).collect();
+    // wavelengths at the ends of a table are within it up to rounding
+    let is_within =
+        |energy: f64, [low, high]: [f64; 2]| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(&energy);
+    let is_known = |photon: &Photon| ranges.iter().any(|&range| is_within(photon.energy, range));
+    if ranges.is_empty() || photons.is_empty() || photons.iter().any(is_known) {
+        return None;
+    }
+    let of = |all: &mut dyn Iterator<Item = f64>| {
+        let (low, high) =
+            all.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
+        let [low, high] = [wavelength_nm(high), wavelength_nm(low)].map(|nm| (nm * 10.0).round() / 10.0);
+        if low == high { format!("{low} nm") } else { format!("{low} nm to {high} nm") }
+    };
+    let own = of(&mut photons.iter().map(|photon| photon.energy));
+    let known = of(&mut ranges.iter().flatten().copied());
+    Some(format!(
+        "the wavelengths of the source, {own}, are outside all tables of RINDEX, {known}: photons have the values at the ends of \
+         the tables."
+    ))
 }

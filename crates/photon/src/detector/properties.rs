@@ -121,7 +121,11 @@ impl PropertyReader {
     pub fn finish(self) -> Result<Vec<String>, PhotonError> {
         let PropertyReader { source, problems, notes, .. } = self;
         if problems.is_empty() {
-            return Ok(notes.into_iter().map(|note| note.message.to_string()).collect());
+            // one sentence for the yields of all materials; a check lists them
+            let (yields, notes): (Vec<Remark>, Vec<Remark>) =
+                notes.into_iter().partition(|note| YIELDS.contains(&note.property.as_str()));
+            let texts = notes.into_iter().map(|note| note.message.to_string());
+            return Ok(texts.chain((!yields.is_empty()).then(|| OF_YIELDS.to_owned())).collect());
         }
         Err(match source {
             None => PhotonError::Detector(problems.into_iter().map(|problem| problem.message).collect()),
@@ -136,6 +140,11 @@ impl PropertyReader {
         })
     }
 }
+
+/// The properties that state how many photons a particle emits; photons do not depend on them.
+const YIELDS: [&str; 2] = ["SCINTILLATIONYIELD", "RESOLUTIONSCALE"];
+
+const OF_YIELDS: &str = "SCINTILLATIONYIELD and RESOLUTIONSCALE have no effect: numbers of scintillation photons come from gensteps.";
 
 /// The properties of Geant4 that a misspelt name may mean.
 const KNOWN: [&str; 44] = [

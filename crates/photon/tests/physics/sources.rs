@@ -247,6 +247,21 @@ fn places_without_an_index_are_reported() {
 }
 
 #[test]
+fn wavelengths_beyond_the_tables_are_reported() {
+    let detector = CLEAR.build();
+    let evaluator = Packets::new(detector.program().clone());
+    let check = |nm: f64| {
+        let source = Source::Torch(Torch::point(Vec3::new(1.0, 2.0, 30.0), nm).unwrap());
+        check_start(&detector, &evaluator, &source, &RunSettings::new(0..500)).unwrap()
+    };
+    assert_eq!([300.0, 420.0, 800.0].map(check), [None, None, None]);
+    let far = check(4200.0).unwrap();
+    assert!(far.contains("source, 4200 nm, are outside all tables of RINDEX"), "{far}");
+    // the tables are from 1 eV to 10 eV
+    assert!(far.contains("124 nm to 1239.8 nm"), "{far}");
+}
+
+#[test]
 fn unknown_and_thin_volumes_are_refused() {
     let detector = CLEAR.build();
     let evaluator = Packets::new(detector.program().clone());
