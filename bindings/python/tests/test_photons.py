@@ -149,6 +149,10 @@ def test_sensors_have_equal_numbers_in_all_runs():
 def test_maps_have_a_number_of_cells(bar):
     hits = bar.simulate(from_middle(), n=2000).hits
     assert hits.plot(bins=1).svg.count("M") < hits.plot(bins=20).svg.count("M")
+    # the diode from -10 to 10, also for a few hits, which once had a map of their own extent
+    few = bar.simulate(from_middle(), n=30, seed=2).hits
+    assert 0 < few.rows < 20
+    assert ">\u221210<" in few.plot().svg and ">10<" in few.plot().svg
     with pytest.raises(RayweaveError, match="bins is 0: it must be at least 1"):
         hits.plot(bins=0)
 

@@ -1,6 +1,7 @@
 //! Maps and histograms of hits.
 
 use rayweave_draw::detector::{Histogram, HitPositions, MapPlane, histograms_svg, hit_maps_svg};
+use rayweave_math::{Bounds, Vec3};
 
 /// The heights of the bars of a drawing, in pixels.
 fn bars(drawing: &str) -> Vec<f64> {
@@ -13,6 +14,62 @@ fn histogram<'a>(name: &'a str, values: &'a [f64]) -> Histogram<'a> {
     Histogram::new(name, "ns", values)
 }
 
+const NONE: HitPositions<'_> =
+    HitPositions { names: &[], sensors: &[], positions: [&[]; 3], extents: &[], cells: None, plane: None };
+
+/// Four tiles of 6 mm by 6 mm with 400, 100, 25 hits and one hit.
+#[test]
+fn a_sensor_with_few_hits_does_not_set_the_scale() {
+    let centres = [[-30.0, -30.0], [30.0, -30.0], [-30.0, 30.0], [30.0, 30.0]];
+    let (mut positions, mut sensors) = ([vec![], vec![], vec![]], Vec::new());
+    for (sensor, (side, [x, y])) in (0u32..).zip([20, 10, 5, 1].into_iter().zip(centres)) {
+        for k in 0..side * side {
+            let at = |k: i32| 6.0 * (f64::from(k) + 0.5) / f64::from(side) - 3.0;
+            positions[0].push(x + at(k % side));
+            positions[1].push(y + at(k / side));
+            positions[2].push(5.0);
+            sensors.push(sensor);
+        }
+    }
+    let names = ["a", "b", "c", "d"].map(str::to_owned);
+    let half = Vec3::new(3.0, 3.0, 0.5);
+    let extents = centres.map(|[x, y]| Some(Bounds::centred(Vec3::new(x, y, 5.5), half)));
+    let [x, y, z] = &positions;
+    let hits = HitPositions { names: &names, sensors: &sensors, positions: [x, y, z], ..NONE };
+    let known = HitPositions { extents: &extents, ..hits };
+    // 400 hits on 36 mm2; a map of the single hit alone once had a million million per mm2
+    for drawing in [hit_maps_svg(hits, "a", "mm"), hit_maps_svg(known, "a", "mm")] {
+        assert!(!drawing.contains("10^") && drawing.contains(">hits / mm\u{b2}<"), "{drawing}");
+    }
+    // the tile, from 27 to 33
+    let drawing = hit_maps_svg(known, "a", "mm");
+    let single = &drawing[drawing.find(">d<").unwrap()..];
+    assert!([">28<", ">30<", ">32<"].iter().all(|tick| single.matches(tick).count() == 2), "{single}");
+    assert!(drawing.contains("class=\"outline\""));
+    // sensors of equal size have equal cells: 4 by 4 of a tile, and 1 by 1 if there is only one hit; they come before the title
+    assert_eq!(cells(&drawing[drawing.find(">c<").unwrap()..drawing.find(">d<").unwrap()]), 16);
+    let alone = HitPositions { sensors: &[3], positions: [&x[525..], &y[525..], &z[525..]], ..known };
+    assert_eq!(cells(&hit_maps_svg(alone, "a", "mm")), 1);
+    // about 100 hits in a cell
+    let many: Vec<f64> = (0..40_000).map(|k| 6.0 * (f64::from(k % 200) + 0.5) / 200.0).collect();
+    let rows: Vec<f64> = (0..40_000).map(|k| 6.0 * (f64::from(k / 200) + 0.5) / 200.0).collect();
+    let extents = [Some(Bounds::new(Vec3::ZERO, Vec3::new(6.0, 6.0, 1.0)))];
+    let many = HitPositions {
+        sensors: &[0; 40_000],
+        positions: [&many, &rows, &[0.0; 40_000]],
+        extents: &extents,
+        ..hits
+    };
+    assert_eq!(cells(&hit_maps_svg(many, "a", "mm")), 400);
+    assert_eq!(cells(&hit_maps_svg(HitPositions { cells: Some(3), ..many }, "a", "mm")), 9);
+}
+
+/// The number of cells of the first map in a part of a drawing: the closed squares of its paths.
+fn cells(drawing: &str) -> usize {
+    let paths = drawing.lines().filter(|line| line.contains("class=\"cell\"") && line.contains("<path"));
+    paths.map(|line| line.matches('Z').count()).sum()
+}
+
 /// A square of hits in the plane x = 5, and two hits on a different sensor.
 #[test]
 fn maps_are_drawn_in_the_plane_of_the_hits() {
@@ -21,8 +78,7 @@ fn maps_are_drawn_in_the_plane_of_the_hits() {
     let x = vec![5.0; 102];
     let sensors: Vec<u32> = (0..102).map(|k| u32::from(k >= 100)).collect();
     let names = ["wide".to_owned(), "small".to_owned(), "dark".to_owned()];
-    let hits =
-        HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z], cells: None, plane: None };
+    let hits = HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z], ..NONE };
     let drawing = hit_maps_svg(hits, "a", "mm");
     assert!(drawing.contains("102 hits of 2 sensors") && !drawing.contains(">dark<"), "{drawing}");
     for (panel, part) in [
@@ -53,8 +109,7 @@ fn each_sensor_has_its_own_plane() {
     }
     let names: Vec<String> = (0..6).map(|face| format!("face {face}")).collect();
     let [x, y, z] = &positions;
-    let hits =
-        HitPositions { names: &names, sensors: &sensors, positions: [x, y, z], cells: None, plane: None };
+    let hits = HitPositions { names: &names, sensors: &sensors, positions: [x, y, z], ..NONE };
     let drawing = hit_maps_svg(hits, "a", "mm");
     let labels = |drawing: &str, face: u32| {
         let at = drawing.find(&format!(">face {face}<")).unwrap();
@@ -90,8 +145,7 @@ fn of_many_sensors_those_with_the_most_hits_have_maps() {
     let y: Vec<f64> = x.iter().map(|x| 7.0 * x % 13.0).collect();
     let z = vec![0.0; x.len()];
     let names: Vec<String> = (0..20).map(|k| format!("sensor {k}")).collect();
-    let hits =
-        HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z], cells: None, plane: None };
+    let hits = HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z], ..NONE };
     let drawing = hit_maps_svg(hits, "a", "mm");
     assert!(drawing.contains("210 hits of 20 sensors; the 16 sensors with the most hits"), "{drawing}");
     for k in 0..20 {
@@ -106,8 +160,7 @@ fn of_many_sensors_those_with_the_most_hits_have_maps() {
 
 #[test]
 fn no_hits() {
-    let hits = HitPositions { names: &[], sensors: &[], positions: [&[]; 3], cells: None, plane: None };
-    assert!(hit_maps_svg(hits, "a", "mm").contains("no hits"));
+    assert!(hit_maps_svg(NONE, "a", "mm").contains("no hits"));
     let empty = histograms_svg(&[histogram("time", &[])], "hits");
     assert!(empty.contains("no hits") && !empty.contains("class=\"axis\""), "{empty}");
 }

@@ -1,6 +1,7 @@
 //! Detected photons as arrays, files and drawings.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -10,17 +11,21 @@ use rayweave::photon::{Hits, hit_schema};
 use rayweave::table::{TableError, TableWriter};
 
 use crate::error::bad_value;
+use crate::photons::parts::DetectorParts;
 
 /// The detected photons of a run: see `rayweave.photons.Hits`.
 #[pyclass(frozen, module = "rayweave.photons", name = "PhotonHits")]
-pub struct PyPhotonHits(pub Hits);
+pub struct PyPhotonHits {
+    pub hits: Hits,
+    pub detector: Arc<DetectorParts>,
+}
 
 #[pymethods]
 impl PyPhotonHits {
     /// The columns by name.
     #[pyo3(signature = () -> "dict[str, NDArray[Any]]")]
     fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let hits = &self.0;
+        let hits = &self.hits;
         let table = PyDict::new(py);
         table.set_item("event", PyArray1::from_slice(py, &hits.event))?;
         table.set_item("photon", PyArray1::from_slice(py, &hits.photon))?;
@@ -53,15 +58,15 @@ impl PyPhotonHits {
     /// The paths of the sensors, in the order of their placements.
     #[getter]
     fn sensor_paths(&self) -> Vec<String> {
-        self.0.paths().to_vec()
+        self.hits.paths().to_vec()
     }
 
     /// Writes the table of hits of the command: .csv, .npy or .parquet.
     #[pyo3(signature = (path))]
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let write = || -> Result<(), TableError> {
-            let mut table = TableWriter::create(&path, &hit_schema(self.0.genstep.is_some())?)?;
-            table.write(&self.0.to_rows()?)?;
+            let mut table = TableWriter::create(&path, &hit_schema(self.hits.genstep.is_some())?)?;
+            table.write(&self.hits.to_rows()?)?;
             table.finish().map(|_| ())
         };
         py.detach(write).map_err(bad_value)
@@ -77,9 +82,10 @@ impl PyPhotonHits {
         plane: Option<&str>,
     ) -> PyResult<String> {
         let plane = plane.map(str::parse::<MapPlane>).transpose().map_err(bad_value)?;
-        let [x, y, z] = &self.0.position;
-        let (names, sensors) = (self.0.paths(), &self.0.sensor);
-        let hits = HitPositions { names, sensors, positions: [x, y, z], cells, plane };
+        let [x, y, z] = &self.hits.position;
+        let (names, sensors) = (self.hits.paths(), &self.hits.sensor);
+        let extents = self.detector.detector.sensor_extents();
+        let hits = HitPositions { names, sensors, positions: [x, y, z], extents, cells, plane };
         Ok(py.detach(|| hit_maps_svg(hits, title, "mm")))
     }
 
@@ -93,11 +99,11 @@ impl PyPhotonHits {
         time: Option<(f64, f64)>,
     ) -> String {
         let range = time.map(<[f64; 2]>::from);
-        let time = Histogram { bins, range, ..Histogram::new("time", "ns", &self.0.time) };
+        let time = Histogram { bins, range, ..Histogram::new("time", "ns", &self.hits.time) };
         let wavelength = Histogram {
             is_wavelength: true,
             bins,
-            ..Histogram::new("wavelength", "nm", &self.0.wavelength_nm)
+            ..Histogram::new("wavelength", "nm", &self.hits.wavelength_nm)
         };
         py.detach(|| histograms_svg(&[time, wavelength], title))
     }

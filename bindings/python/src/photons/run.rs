@@ -39,13 +39,14 @@ impl PyPhotonRun {
         let count = |end: &End| (end.name(), run.ends.get(end).copied().unwrap_or(0));
         let ends = End::ALL.iter().map(count).collect();
         Python::attach(|py| {
-            let histories = histories.map(|histories| Py::new(py, PyHistories::new(histories, detector)));
+            let own = detector.clone();
+            let histories = histories.map(|histories| Py::new(py, PyHistories::new(histories, own)));
             Ok(PyPhotonRun {
                 photons: run.photons,
                 steps: run.steps,
                 seconds: duration.as_secs_f64(),
                 ends,
-                hits: Py::new(py, PyPhotonHits(run.hits))?,
+                hits: Py::new(py, PyPhotonHits { hits: run.hits, detector })?,
                 histories: histories.transpose()?,
             })
         })

@@ -129,9 +129,14 @@ pub struct Simulation {
     map: Option<PathBuf>,
 
     /// Plane of all maps: yz, xz, xy, or sphere for one map of azimuth and cosine of the polar angle as seen from the origin [default:
-    /// for each sensor the plane in which its hits extend most]
+    /// for each sensor the plane in which it extends most if it is flat, or else its hits]
     #[arg(long, value_name = "PLANE", requires = "map")]
     map_plane: Option<MapPlane>,
+
+    /// Number of cells along the longer side of each map; for the plane sphere along the polar angle, and twice as many along the
+    /// azimuth [default: for about 100 hits in a cell, from 4 to 64]
+    #[arg(long, value_name = "N", requires = "map", value_parser = map_bins)]
+    map_bins: Option<usize>,
 
     /// Spectra of the times and wavelengths of the hits, .svg, .pdf, .png or .jpg
     #[arg(long, value_name = "DRAWING")]
@@ -300,7 +305,7 @@ impl Simulation {
             report.run.hits.number_by(&detector);
         }
         self.draw_tracks(&detector, &source, &settings)?;
-        self.draw_hits(&report.run.hits)?;
+        self.draw_hits(&report.run.hits, &detector)?;
         match () {
             () if self.json => terminal::print(&format!("{:#}\n", report.as_json())),
             () if is_piped || global.quiet => Ok(()),
@@ -425,13 +430,19 @@ impl Simulation {
         drawing::save(path, &layout.to_svg(&self.model.name(), "mm"), &self.model.name())
     }
 
-    fn draw_hits(&self, hits: &Hits) -> Result<(), Failure> {
+    fn draw_hits(&self, hits: &Hits, detector: &Detector) -> Result<(), Failure> {
         let name = self.model.name();
         if let Some(path) = &self.map {
             let [x, y, z] = &hits.position;
             let (names, sensors) = (hits.paths(), &hits.sensor);
-            let hits =
-                HitPositions { names, sensors, positions: [x, y, z], cells: None, plane: self.map_plane };
+            let hits = HitPositions {
+                names,
+                sensors,
+                positions: [x, y, z],
+                extents: detector.sensor_extents(),
+                cells: self.map_bins,
+                plane: self.map_plane,
+            };
             drawing::save(path, &hit_maps_svg(hits, &name, "mm"), &name)?;
         }
         let Some(path) = &self.spectra else { return Ok(()) };
@@ -494,6 +505,14 @@ impl Simulation {
             }
         }
         Ok(report)
+    }
+}
+
+/// Parses the number of cells of a map.
+fn map_bins(text: &str) -> Result<usize, String> {
+    match crate::arguments::any_count::<usize>(text)? {
+        bins @ 1..=1023 => Ok(bins),
+        bins => Err(format!("{bins} cells cannot be drawn: a map can have 1 to 1023 along its longer side")),
     }
 }
 

@@ -90,9 +90,15 @@ fn hits_are_counted_by_sensor() {
         assert!((bound - 100.0 * error).abs() <= 0.05 * bound, "{row}");
         assert!((percent - 100.0 * fraction).abs() <= 0.05 * bound, "{row}");
     }
-    // a single sensor needs no table
+    // the statistical error of a single sensor, too
     bench.write("bar.gdml", text);
-    assert!(!bench.says(&run(&[])).contains("% of hits"));
+    let single = bench.says(&run(&[]));
+    let row: Vec<&str> =
+        single.lines().find(|line| line.starts_with("Diode")).unwrap().split_whitespace().collect();
+    let [hits, _, percent, error] = [1, 2, 3, 4].map(|k| row[k].parse::<f64>().unwrap());
+    let part = hits / 2000.0;
+    assert!((percent - 100.0 * part).abs() < 0.01, "{single}");
+    assert!((error - 100.0 * (part * (1.0 - part) / 2000.0).sqrt()).abs() < 0.05 * error, "{single}");
 }
 
 /// The tables of consecutive ranges make up the table of the whole run, with any number of threads.
@@ -339,6 +345,19 @@ fn histories_and_drawings() {
     assert!(bench.fails(2, &run(&["--map-plane", "yz"])).contains("--map"));
     let text = bench.fails(2, &run(&["--map", "m.svg", "--map-plane", "up"]));
     assert!(text.contains("it must be yz, xz, xy or sphere"), "{text}");
+    // the diode from -10 to 10: a cell, and three by three
+    let cells = |name: &str| {
+        let map = bench.read(name);
+        map.lines()
+            .filter(|line| line.contains("<path class=\"cell\""))
+            .map(|line| line.matches('Z').count())
+            .sum::<usize>()
+    };
+    bench.says(&run(&["--map", "three.svg", "--map-bins", "3"]));
+    assert_eq!(cells("three.svg"), 9);
+    assert!([">\u{2212}10<", ">10<"].iter().all(|tick| bench.read("three.svg").contains(tick)));
+    assert!(bench.fails(2, &run(&["--map", "m.svg", "--map-bins", "0"])).contains("1 to 1023"));
+    assert!(bench.fails(2, &run(&["--map-bins", "3"])).contains("--map"));
 }
 
 /// A note of a run without hits states the number of mistakes that `check` finds, or that it finds none.

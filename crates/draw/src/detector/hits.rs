@@ -5,6 +5,7 @@ use super::irradiance::{STYLE, draw_cells, draw_colour_bar};
 use crate::DrawError;
 use crate::svg::{Anchor, Svg};
 use rayweave_error::Message;
+use rayweave_math::{Bounds, Vec3};
 use std::str::FromStr;
 
 /// Hits with their sensors.
@@ -16,7 +17,10 @@ pub struct HitPositions<'a> {
     pub sensors: &'a [u32],
     /// The coordinates x, y, z of each hit.
     pub positions: [&'a [f64]; 3],
-    /// The number of cells along the longer side of each map; by default the more, the more hits there are, at most 64.
+    /// The boxes of the solids of the sensors, in the order of `names`; those of a sensor without one, and of the last ones if there
+    /// are fewer, are estimated from its hits.
+    pub extents: &'a [Option<Bounds>],
+    /// The number of cells along the longer side of each map; by default for about 100 hits in a cell, from 4 to 64.
     pub cells: Option<usize>,
     /// The plane of all maps; by default that of each sensor.
     pub plane: Option<MapPlane>,
@@ -30,9 +34,28 @@ const HEADING: f64 = 52.0;
 /// The maximum number of sensors with a separate map.
 const MAX_SENSORS: usize = 16;
 
-/// The maximum number of cells along a side of a map, and the mean number of hits in a cell of a square map with fewer cells.
-const CELLS: usize = 64;
-const HITS_PER_CELL: usize = 16;
+/// The range of the number of cells along the longer side of a map, and the mean number of hits in a cell between its ends, whose
+/// statistical error is 10 %.
+const MIN_CELLS: usize = 4;
+const MAX_CELLS: usize = 64;
+const HITS_PER_CELL: f64 = 100.0;
+
+/// The number of cells across a sensor in the map of all sensors.
+const CELLS_PER_SENSOR: f64 = 2.0;
+
+/// The maximum number of sensors with an outline in the map of all sensors.
+const MAX_OUTLINES: usize = 256;
+
+/// A box is flat if its smallest extent is less than this part of the next one. Light is detected on its faces: the map shows these.
+const FLAT: f64 = 0.5;
+
+/// The extents of boxes are equal up to this part.
+const EQUAL: f64 = 1e-6;
+
+/// The smallest extent of hits on a sensor of unknown size: parts of the extent of all hits, and of their distance from the origin if
+/// all are in one place.
+const LEAST_OF_ALL: f64 = 0.02;
+const LEAST_OF_DISTANCE: f64 = 0.1;
 
 /// The smallest ratio of the sides of a chart.
 const STRIP: f64 = 0.05;
@@ -114,15 +137,16 @@ struct Panel<'a> {
     hits: usize,
     plane: MapPlane,
     map: HitMap,
-    /// True for the hits of several sensors, which may overlap.
-    is_of_all: bool,
+    /// The outlines of the sensors, for the hits of several sensors, which may overlap.
+    outlines: Option<Vec<[[f64; 2]; 2]>>,
 }
 
 /// Draws the number of hits per area of each sensor as colours. Without a plane, the map of each sensor is the projection along the
-/// coordinate in which its hits extend least. For several sensors, the first map is a projection of all hits, in which sensors may
+/// coordinate in which a flat sensor, or the hits of a different one, extend least. For several sensors, the first map is a projection of all hits, in which sensors may
 /// overlap: with a colour scale of its own, along the coordinate in which the sensors extend least on average. The sixteen sensors
 /// with the most hits have separate maps with a common colour scale, in the order of `names`. The plane [`MapPlane::Sphere`] gives
-/// one map of all hits. The cells of a projection divide the extent of its hits in both coordinates. `unit` is the unit of length.
+/// one map of all hits. The cells of a projection divide the extent of the sensor in both coordinates; sensors of equal size have equal
+/// cells. `unit` is the unit of length.
 ///
 /// ```
 /// use rayweave_draw::detector::{HitPositions, hit_maps_svg};
@@ -130,7 +154,7 @@ struct Panel<'a> {
 /// let x: Vec<f64> = (0..100).map(|k| f64::from(k % 10)).collect();
 /// let y: Vec<f64> = (0..100).map(|k| f64::from(k / 10)).collect();
 /// let (names, positions) = (["cathode".to_owned()], [&x[..], &y, &[50.0; 100]]);
-/// let hits = HitPositions { names: &names, sensors: &[0; 100], positions, cells: None, plane: None };
+/// let hits = HitPositions { names: &names, sensors: &[0; 100], positions, extents: &[], cells: None, plane: None };
 /// assert!(hit_maps_svg(hits, "detector.gdml", "mm").contains("cathode"));
 /// ```
 pub fn hit_maps_svg(hits: HitPositions<'_>, title: &str, unit: &str) -> String {
@@ -154,6 +178,10 @@ pub fn hit_maps_svg(hits: HitPositions<'_>, title: &str, unit: &str) -> String {
         let peak = peaks[usize::from(k > 0)];
         let cells = chart.part(panel.map.lo, panel.map.hi);
         draw_cells((panel.map.cells[0], &panel.map.values), peak, &cells, &mut svg);
+        for &[lo, hi] in panel.outlines.iter().flatten() {
+            let [[left, bottom], [right, top]] = [lo, hi].map(|point| chart.position(point));
+            svg.rectangle("outline", [left, top, right - left, bottom - top], "");
+        }
         chart.draw_axes(
             &mut svg,
             [panel.name, &panel.subtitle(hits.sensors.len())],
@@ -166,12 +194,15 @@ pub fn hit_maps_svg(hits: HitPositions<'_>, title: &str, unit: &str) -> String {
         0 => [400.0, 80.0],
         n => [width * columns as f64, HEADING + height * n.div_ceil(columns) as f64],
     };
-    svg.finish(size, &title, &subtitle, STYLE)
+    svg.finish(size, &title, &subtitle, &format!("{STYLE}{OUTLINE_STYLE}"))
 }
+
+const OUTLINE_STYLE: &str =
+    ".outline { fill: none; stroke: #ffffff; stroke-width: 0.7; stroke-opacity: 0.6 }\n";
 
 fn subtitle(hits: HitPositions<'_>, panels: &[Panel<'_>]) -> String {
     let sensors = counts(hits).len();
-    let maps = panels.iter().filter(|panel| !panel.is_of_all).count();
+    let maps = panels.iter().filter(|panel| panel.outlines.is_none()).count();
     match (hits.sensors.len(), sensors) {
         (0, _) => "no hits".to_owned(),
         (n, 1) => format!("{n} hits of one sensor"),
@@ -193,51 +224,183 @@ fn counts(hits: HitPositions<'_>) -> Vec<(u32, usize)> {
 
 fn panels(hits: HitPositions<'_>) -> Vec<Panel<'_>> {
     let mut counts = counts(hits);
-    let extents = extents(hits);
-    let sum = |k: usize| extents.iter().map(|own| own[k]).sum::<f64>();
+    let frames = Frames::new(hits);
+    let sum = |k: usize| counts.iter().map(|&(sensor, _)| frames.shape(sensor)[k]).sum::<f64>();
     let plane_of_all = hits.plane.unwrap_or_else(|| MapPlane::along_least([0, 1, 2].map(sum)));
     let is_sphere = plane_of_all == MapPlane::Sphere;
-    let own = |&(sensor, _): &(u32, usize)| {
-        let plane = hits.plane.unwrap_or_else(|| MapPlane::along_least(extents[sensor as usize]));
-        Panel::new(hits, &hits.names[sensor as usize], Some(sensor), plane)
-    };
     let has_all = counts.len() > 1 || is_sphere && !counts.is_empty();
-    let all = has_all.then(|| Panel::new(hits, "all sensors", None, plane_of_all));
+    let all = has_all.then(|| Panel::of_all(hits, &frames, plane_of_all));
     counts.truncate(if is_sphere { 0 } else { MAX_SENSORS });
     counts.sort_by_key(|&(sensor, _)| sensor);
-    all.into_iter().chain(counts.iter().map(own)).collect()
+    let plane = |sensor| hits.plane.unwrap_or_else(|| MapPlane::along_least(frames.shape(sensor)));
+    let windows = counts.iter().filter_map(|&(sensor, count)| {
+        let plane = plane(sensor);
+        Some((sensor, count, plane, frames.window(sensor, plane)?))
+    });
+    let windows: Vec<(u32, usize, MapPlane, [[f64; 2]; 2])> = windows.collect();
+    let own = |&(sensor, _, plane, window): &(u32, usize, MapPlane, [[f64; 2]; 2])| {
+        // sensors of equal size have equal cells, for the one with the most hits
+        let equal = windows.iter().filter(|other| are_equal(size(window), size(other.3)));
+        let most = equal.map(|other| other.1).max().unwrap_or(0);
+        let cells = hits.cells.unwrap_or_else(|| cells_for(most, size(window), 1.0));
+        Panel::new(hits, sensor, plane, (window, cells))
+    };
+    all.into_iter().chain(windows.iter().map(own)).collect()
 }
 
-/// The extents of the hits of each sensor along x, y and z; 0 without hits.
-fn extents(hits: HitPositions<'_>) -> Vec<[f64; 3]> {
-    let mut ranges = vec![[(f64::INFINITY, f64::NEG_INFINITY); 3]; hits.names.len()];
-    for (row, &sensor) in hits.sensors.iter().enumerate() {
-        for (range, column) in ranges[sensor as usize].iter_mut().zip(hits.positions) {
-            *range = (range.0.min(column[row]), range.1.max(column[row]));
+fn size([lo, hi]: [[f64; 2]; 2]) -> [f64; 2] {
+    [hi[0] - lo[0], hi[1] - lo[1]]
+}
+
+fn are_equal(one: [f64; 2], other: [f64; 2]) -> bool {
+    let longer = one[0].max(one[1]);
+    (0..2).all(|k| (one[k] - other[k]).abs() <= EQUAL * longer)
+}
+
+/// The number of cells along the longer side of a window with some hits on a covered part of its area.
+fn cells_for(hits: usize, size: [f64; 2], covered: f64) -> usize {
+    let wanted = hits as f64 / (HITS_PER_CELL * covered.max(f64::MIN_POSITIVE));
+    let (longer, shorter) = (size[0].max(size[1]), size[0].min(size[1]));
+    // a strip has one row of cells
+    let along = (wanted * longer / shorter.max(f64::MIN_POSITIVE)).sqrt().min(wanted);
+    // no more cells than hits
+    (along as usize).clamp(hits.isqrt().clamp(1, MIN_CELLS), MAX_CELLS)
+}
+
+/// The boxes of the sensors and of their hits.
+struct Frames {
+    /// The ranges of the hits of each sensor; empty without hits.
+    hits: Vec<Bounds>,
+    /// The boxes of the solids, with those hits that lie outside; `None` if not known.
+    solids: Vec<Option<Bounds>>,
+    /// The numbers of hits.
+    counts: Vec<usize>,
+}
+
+impl Frames {
+    fn new(hits: HitPositions<'_>) -> Frames {
+        let (mut ranges, mut counts) = (vec![Bounds::EMPTY; hits.names.len()], vec![0; hits.names.len()]);
+        for (row, &sensor) in hits.sensors.iter().enumerate() {
+            let point = Vec3::from_array(hits.positions.map(|column| column[row]));
+            let range = &mut ranges[sensor as usize];
+            *range = range.union(&Bounds::new(point, point));
+            counts[sensor as usize] += 1;
+        }
+        let solid = |(sensor, range): (usize, &Bounds)| {
+            let solid = hits.extents.get(sensor).copied().flatten()?;
+            if !solid.is_finite() || solid.is_empty() {
+                return None;
+            }
+            let near = solid.grown(EQUAL * solid.size().length());
+            let holds = range.is_empty() || near.contains(range.lo) && near.contains(range.hi);
+            Some(if holds { solid } else { solid.union(range) })
+        };
+        let solids = ranges.iter().enumerate().map(solid).collect();
+        Frames { hits: ranges, solids, counts }
+    }
+
+    /// The extents that the plane of a sensor depends on: those of a flat solid, else those of its hits if these have an extent.
+    fn shape(&self, sensor: u32) -> [f64; 3] {
+        let sensor = sensor as usize;
+        let own = self.hits[sensor].size().to_array();
+        let Some(solid) = self.solids[sensor].map(|solid| solid.size().to_array()) else { return own };
+        let mut sorted = solid;
+        sorted.sort_by(f64::total_cmp);
+        let is_flat = sorted[0] < FLAT * sorted[1];
+        let has_extent = own.iter().filter(|extent| **extent > EQUAL * sorted[2]).count() >= 2;
+        if is_flat || !has_extent { solid } else { own }
+    }
+
+    /// The lower and the upper corner of a sensor in a projection: of its solid, or else of its hits.
+    fn window(&self, sensor: u32, plane: MapPlane) -> Option<[[f64; 2]; 2]> {
+        let axes = plane.axes()?;
+        let corners = |bounds: &Bounds| [bounds.lo, bounds.hi].map(|corner| axes.map(|k| corner[k]));
+        if let Some(solid) = &self.solids[sensor as usize] {
+            return Some(corners(solid));
+        }
+        Some(estimated(corners(&self.hits[sensor as usize]), self.counts[sensor as usize], self.least(axes)))
+    }
+
+    /// The smallest extent of a sensor of unknown size.
+    fn least(&self, axes: [usize; 2]) -> f64 {
+        let all = self.hits.iter().fold(Bounds::EMPTY, |all, own| all.union(own));
+        let extent = axes.map(|k| all.hi[k] - all.lo[k]).into_iter().fold(0.0, f64::max);
+        let far = axes.map(|k| all.lo[k].abs().max(all.hi[k].abs())).into_iter().fold(0.0, f64::max);
+        match extent > 1e-9 * far {
+            true => LEAST_OF_ALL * extent,
+            false if far > 0.0 => LEAST_OF_DISTANCE * far,
+            false => 1.0,
         }
     }
-    ranges.into_iter().map(|own| own.map(|(lo, hi)| (hi - lo).max(0.0))).collect()
+
+    /// The corners of all sensors in a projection, and the outlines of the known ones.
+    fn of_all(&self, plane: MapPlane) -> ([[f64; 2]; 2], Vec<[[f64; 2]; 2]>) {
+        let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        let mut outlines = Vec::new();
+        for sensor in 0..self.counts.len() {
+            let is_known = self.solids[sensor].is_some();
+            if let Some(own) =
+                self.window(sensor as u32, plane).filter(|_| is_known || self.counts[sensor] > 0)
+            {
+                lo = [0, 1].map(|k| lo[k].min(own[0][k]));
+                hi = [0, 1].map(|k| hi[k].max(own[1][k]));
+                outlines.push(own);
+            }
+        }
+        ([lo, hi], outlines)
+    }
+}
+
+/// The window of some hits on a sensor of unknown size: evenly distributed hits extend over the part (n - 1) / (n + 1) of it on average.
+fn estimated([mut lo, mut hi]: [[f64; 2]; 2], hits: usize, least: f64) -> [[f64; 2]; 2] {
+    let margin = |extent: f64| extent / (hits.max(2) - 1) as f64;
+    let margins = [0, 1].map(|k| margin(hi[k] - lo[k]));
+    let longer = [0, 1].map(|k| hi[k] - lo[k] + 2.0 * margins[k]).into_iter().fold(0.0, f64::max);
+    for k in 0..2 {
+        // few hits have hardly any extent; hits on a line stay on it
+        let missing = if longer < least { 0.5 * (least - (hi[k] - lo[k])) } else { 0.0 };
+        let margin = margins[k].max(missing);
+        (lo[k], hi[k]) = (lo[k] - margin, hi[k] + margin);
+    }
+    [lo, hi]
 }
 
 impl<'a> Panel<'a> {
-    /// The map of one sensor, or of all of them.
-    fn new(hits: HitPositions<'_>, name: &'a str, sensor: Option<u32>, plane: MapPlane) -> Panel<'a> {
-        let own = (0..hits.sensors.len()).filter(|&row| sensor.is_none_or(|own| hits.sensors[row] == own));
-        let rows: Vec<usize> = own.collect();
-        let cells = hits.cells.unwrap_or((rows.len() / HITS_PER_CELL).isqrt().clamp(4, CELLS)).max(1);
-        let map = match plane.axes() {
-            Some(axes) => {
-                let points: Vec<[f64; 2]> =
-                    rows.iter().map(|&row| axes.map(|k| hits.positions[k][row])).collect();
-                HitMap::new(&points, cells)
-            }
-            None => {
-                let direction = |&row: &usize| direction(hits.positions.map(|column| column[row]));
-                let points: Vec<[f64; 2]> = rows.iter().map(direction).collect();
-                HitMap::of_directions(&points, cells)
-            }
+    /// The map of one sensor: its window, and the number of cells along the longer side.
+    fn new(
+        hits: HitPositions<'a>,
+        sensor: u32,
+        plane: MapPlane,
+        (window, cells): ([[f64; 2]; 2], usize),
+    ) -> Panel<'a> {
+        let rows = (0..hits.sensors.len()).filter(|&row| hits.sensors[row] == sensor);
+        let points = projected(hits, rows, plane);
+        let map = HitMap::new(&points, window, cells.max(1));
+        Panel { name: &hits.names[sensor as usize], hits: points.len(), plane, map, outlines: None }
+    }
+
+    /// The map of all sensors.
+    fn of_all(hits: HitPositions<'a>, frames: &Frames, plane: MapPlane) -> Panel<'a> {
+        let points = projected(hits, 0..hits.sensors.len(), plane);
+        let count = points.len();
+        let (map, outlines) = if plane == MapPlane::Sphere {
+            let cells = hits.cells.unwrap_or_else(|| cells_for(count, [1.0; 2], 2.0)).max(1);
+            (HitMap::of_directions(&points, cells), Vec::new())
+        } else {
+            let (window, sensors) = frames.of_all(plane);
+            let area = |[width, height]: [f64; 2]| width * height;
+            let whole = size(window);
+            let covered = sensors.iter().map(|&own| area(size(own))).sum::<f64>() / area(whole);
+            let covered = if covered > 0.0 { covered.min(1.0) } else { 1.0 };
+            let longer = |[width, height]: [f64; 2]| width.max(height);
+            let smallest = sensors.iter().map(|&own| longer(size(own))).fold(f64::INFINITY, f64::min);
+            let resolving = (CELLS_PER_SENSOR * longer(whole) / smallest).ceil() as usize;
+            let cells =
+                hits.cells.unwrap_or_else(|| cells_for(count, whole, covered).max(resolving.min(MAX_CELLS)));
+            let are_few = sensors.len() <= MAX_OUTLINES;
+            (HitMap::new(&points, window, cells.max(1)), if are_few { sensors } else { Vec::new() })
         };
-        Panel { name, hits: rows.len(), plane, map, is_of_all: sensor.is_none() }
+        Panel { name: "all sensors", hits: count, plane, map, outlines: Some(outlines) }
     }
 
     /// The chart: with one scale for both axes of a projection, and at least a strip where the hits have hardly any extent.
@@ -257,8 +420,17 @@ impl<'a> Panel<'a> {
     fn subtitle(&self, count: usize) -> String {
         let part = 100.0 * self.hits as f64 / count.max(1) as f64;
         let text = format!("{} hits, {part:.1} %", self.hits);
-        if self.is_of_all { format!("{text}, {}", self.plane.projection()) } else { text }
+        if self.outlines.is_some() { format!("{text}, {}", self.plane.projection()) } else { text }
     }
+}
+
+/// Some hits in a plane.
+fn projected(hits: HitPositions<'_>, rows: impl Iterator<Item = usize>, plane: MapPlane) -> Vec<[f64; 2]> {
+    let point = |row: usize| match plane.axes() {
+        Some(axes) => axes.map(|k| hits.positions[k][row]),
+        None => direction(hits.positions.map(|column| column[row])),
+    };
+    rows.map(point).collect()
 }
 
 /// The azimuth in degrees and the cosine of the polar angle of a point, seen from the origin. The origin itself counts as lying on x.
@@ -279,20 +451,14 @@ struct HitMap {
 }
 
 impl HitMap {
-    /// A map whose cells divide the extent of the hits, with a number of cells along the longer side.
-    fn new(points: &[[f64; 2]], most: usize) -> HitMap {
-        let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for point in points {
-            lo = [0, 1].map(|k| lo[k].min(point[k]));
-            hi = [0, 1].map(|k| hi[k].max(point[k]));
-        }
+    /// A map whose cells divide a window, with a number of cells along the longer side.
+    fn new(points: &[[f64; 2]], [mut lo, mut hi]: [[f64; 2]; 2], most: usize) -> HitMap {
         let far = lo.iter().chain(&hi).fold(0.0, |far: f64, x| far.max(x.abs()));
         let longer = (hi[0] - lo[0]).max(hi[1] - lo[1]);
-        // a single point has no extent: a square that is small, but wider than rounding errors
         let longer = if longer > 0.0 { longer } else { (1e-6 * far).max(1e-6) };
         let side = longer / most as f64;
         for k in 0..2 {
-            // hits on a line, up to the rounding errors of coordinates, get a row of square cells
+            // a line, up to the rounding errors of coordinates, gets a row of square cells
             if hi[k] - lo[k] <= 1e-9 * far.max(longer) {
                 let missing = (side - (hi[k] - lo[k])).max(0.0);
                 (lo[k], hi[k]) = (lo[k] - 0.5 * missing, hi[k] + 0.5 * missing);
@@ -329,10 +495,10 @@ mod tests {
 
     /// Hits on a square lattice with its edges: every cell has the density of the lattice within the error of the two edges.
     #[test]
-    fn the_cells_divide_the_extent_of_the_hits() {
+    fn the_cells_divide_the_window() {
         let points: Vec<[f64; 2]> =
             (0..10_000).map(|k| [f64::from(k % 100), 0.5 * f64::from(k / 100)]).collect();
-        let map = HitMap::new(&points, 11);
+        let map = HitMap::new(&points, [[0.0; 2], [99.0, 49.5]], 11);
         assert_eq!((map.lo, map.hi, map.cells), ([0.0; 2], [99.0, 49.5], [11, 6]));
         let hits: f64 = map.values.iter().sum::<f64>() * (99.0 / 11.0) * (49.5 / 6.0);
         assert!((hits - 10_000.0).abs() < 1e-6, "{hits}");
@@ -343,9 +509,9 @@ mod tests {
     #[test]
     fn hits_on_a_line_and_at_a_point_have_cells() {
         let line: Vec<[f64; 2]> = (0..=40).map(|k| [3.0, f64::from(k)]).collect();
-        let map = HitMap::new(&line, 8);
+        let map = HitMap::new(&line, [[3.0, 0.0], [3.0, 40.0]], 8);
         assert_eq!((map.cells, map.lo, map.hi), ([1, 8], [0.5, 0.0], [5.5, 40.0]));
-        let point = HitMap::new(&[[5.0, 0.0]; 3], 4);
+        let point = HitMap::new(&[[5.0, 0.0]; 3], [[5.0, 0.0]; 2], 4);
         assert_eq!(point.cells, [1, 1]);
         assert!((point.values[0] * (point.hi[0] - point.lo[0]).powi(2) - 3.0).abs() < 1e-6);
     }
@@ -355,7 +521,7 @@ mod tests {
     fn the_cells_of_thin_sensors_fit_them() {
         let points: Vec<[f64; 2]> =
             (0..1010).map(|k| [f64::from(k % 10) * 10.0 / 9.0, f64::from(k / 10)]).collect();
-        let map = HitMap::new(&points, 4);
+        let map = HitMap::new(&points, [[0.0; 2], [10.0, 100.0]], 4);
         assert_eq!((map.lo, map.hi, map.cells), ([0.0; 2], [10.0, 100.0], [1, 4]));
         let area = 10.0 * 100.0 / 4.0;
         // 25 or, in the last cell with both edges, 26 rows of ten
@@ -363,6 +529,29 @@ mod tests {
             map.values.iter().map(|value| (value * area).round()).collect::<Vec<_>>(),
             [250.0, 250.0, 250.0, 260.0]
         );
+    }
+
+    #[test]
+    fn cells_hold_about_a_hundred_hits() {
+        // 100 hits in each of 10 by 10 cells; in each of 40 by 10, and in a strip
+        assert_eq!(cells_for(10_000, [6.0, 6.0], 1.0), 10);
+        assert_eq!(cells_for(40_000, [12.0, 3.0], 1.0), 40);
+        assert_eq!(cells_for(1_000, [1e4, 1.0], 1.0), 10);
+        // the sensors cover a hundredth of the window
+        assert_eq!(cells_for(400, [6.0, 6.0], 0.01), 20);
+        assert_eq!([0, 1, 5, 30, 1_000_000].map(|hits| cells_for(hits, [2.0, 2.0], 1.0)), [1, 1, 2, 4, 64]);
+    }
+
+    /// The mean extent of evenly distributed hits: 2, 4 and 9 hits of a sensor of 3, 5 and 10 on a lattice.
+    #[test]
+    fn windows_of_hits_are_those_of_their_sensor() {
+        for (hits, side) in [(2, 3.0), (4, 5.0), (9, 10.0)] {
+            let window = [[1.0, 1.0], [side - 1.0, side - 1.0]];
+            assert_eq!(estimated(window, hits, 0.5), [[0.0; 2], [side; 2]]);
+        }
+        assert_eq!(estimated([[5.0, 7.0]; 2], 1, 2.0), [[4.0, 6.0], [6.0, 8.0]]);
+        // a line stays one
+        assert_eq!(estimated([[3.0, 0.0], [3.0, 30.0]], 4, 2.0), [[3.0, -10.0], [3.0, 40.0]]);
     }
 
     /// Directions along the axes, and the density of evenly distributed directions: their number over 4 pi.

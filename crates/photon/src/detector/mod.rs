@@ -23,9 +23,11 @@ use copies::divide_touching_copies;
 use gdml::Volumes;
 use properties::PropertyReader;
 use rayweave_error::Message;
+use rayweave_math::Bounds;
 use rayweave_model::{Crossing, Face, LeafFacet, Occurrence, PlacementId, Program, Region, RegionId};
 use rayweave_optics::start_surfaces::StartSurfaces;
 use rayweave_scene::{Datum, Document, Scene, Source};
+use sensors::SensorList;
 use std::borrow::Cow;
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
@@ -61,8 +63,8 @@ pub struct Detector {
     pub(crate) region_names: Arc<[String]>,
     /// The regions in which photons can be detected.
     detecting: HashSet<u32>,
-    /// The paths and copy numbers of the sensors, made when they are needed.
-    sensor_paths: OnceLock<Vec<(String, i64)>>,
+    /// The sensors, found when they are needed.
+    sensor_list: OnceLock<SensorList>,
     /// The shapes of the volume of each region, found when they are needed.
     own_shapes: Vec<OnceLock<Vec<Occurrence>>>,
     notes: Vec<String>,
@@ -118,7 +120,7 @@ impl Detector {
             sensors,
             region_names,
             detecting,
-            sensor_paths: OnceLock::new(),
+            sensor_list: OnceLock::new(),
             own_shapes: vec![OnceLock::new(); scene.regions.len() + 1],
             notes,
             warnings,
@@ -185,7 +187,18 @@ impl Detector {
     /// [`Hits::paths`]: crate::Hits::paths
     #[must_use]
     pub fn sensor_paths(&self) -> &[(String, i64)] {
-        self.sensor_paths.get_or_init(|| sensors::paths(&self.program, &self.region_names, &self.detecting))
+        &self.sensor_list().paths
+    }
+
+    /// The boxes of the solids of the sensors in mm, in the order of [`sensor_paths`](Detector::sensor_paths); `None` for the world,
+    /// and for volumes without a shape of their own.
+    #[must_use]
+    pub fn sensor_extents(&self) -> &[Option<Bounds>] {
+        &self.sensor_list().extents
+    }
+
+    fn sensor_list(&self) -> &SensorList {
+        self.sensor_list.get_or_init(|| SensorList::new(&self.program, &self.region_names, &self.detecting))
     }
 
     /// The number of sensitive volumes.

@@ -3,9 +3,10 @@
 use super::gdml::{Volumes, region_numbers};
 use crate::material::OpticalMaterial;
 use crate::surface::OpticalSurface;
-use rayweave_model::Program;
+use rayweave_math::Bounds;
+use rayweave_model::{PlacementId, Program};
 use rayweave_scene::{Datum, Scene, bare_name};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// The copy number of a volume whose placements have no numbers.
 pub(crate) const NO_COPY: i64 = -1;
@@ -70,40 +71,90 @@ pub(super) fn detecting_regions(
 /// The largest number of occurrences of shapes among which sensors are numbered: some 100 MB of paths.
 const MAX_OCCURRENCES: usize = 1 << 20;
 
-/// The paths and copy numbers of the sensors, in the order of their placements; -1 without a number.
-///
-/// The volumes of `regions` are sensors: those that are sensitive, and those behind a surface with an efficiency. None for a detector
-/// of too many copies.
-pub(super) fn paths(program: &Program, names: &[String], regions: &HashSet<u32>) -> Vec<(String, i64)> {
-    let wanted: HashSet<&str> = regions.iter().map(|&region| bare_name(&names[region as usize])).collect();
-    let (mut found, mut seen, mut placed) = (Vec::new(), HashSet::new(), HashSet::new());
-    if wanted.is_empty() || program.occurrences().nth(MAX_OCCURRENCES).is_some() {
-        return found;
-    }
-    for occurrence in program.occurrences() {
-        let path = program.occurrence_path(occurrence).placed();
-        let steps = path.steps();
-        // as in hits: the innermost step of each name is the sensor
-        for (last, step) in steps.iter().enumerate().filter(|(_, step)| wanted.contains(step.name)) {
-            if steps[last + 1..].iter().any(|inner| inner.name == step.name) {
+/// The sensors in the order of their placements.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SensorList {
+    /// Paths and copy numbers; -1 without a number.
+    pub paths: Vec<(String, i64)>,
+    /// The boxes of their solids, `None` where there is none: of the world, and of volumes without a shape of their own.
+    pub extents: Vec<Option<Bounds>>,
+}
+
+impl SensorList {
+    /// The volumes of `regions`: those that are sensitive, and those behind a surface with an efficiency. None for a detector
+    /// of too many copies.
+    pub fn new(program: &Program, names: &[String], regions: &HashSet<u32>) -> SensorList {
+        let wanted: HashSet<&str> =
+            regions.iter().map(|&region| bare_name(&names[region as usize])).collect();
+        let mut found = SensorList::default();
+        let (mut numbers, mut placed) = (HashMap::new(), HashSet::new());
+        if wanted.is_empty() || program.occurrences().nth(MAX_OCCURRENCES).is_some() {
+            return found;
+        }
+        let bounds = program.region_bounds();
+        let of_region = |region: &u32| (*region as usize).checked_sub(1).map(|place| bounds[place]);
+        let region = |name: &str| {
+            let own = regions.iter().filter(|region| bare_name(&names[**region as usize]) == name);
+            own.filter_map(of_region).fold(Bounds::EMPTY, |all, own| all.union(&own))
+        };
+        for occurrence in program.occurrences() {
+            let path = program.occurrence_path(occurrence).placed();
+            let steps = path.steps();
+            // as in hits: the innermost step of each name is the sensor
+            for (last, step) in steps.iter().enumerate().filter(|(_, step)| wanted.contains(step.name)) {
+                if steps[last + 1..].iter().any(|inner| inner.name == step.name) {
+                    continue;
+                }
+                placed.insert(step.name);
+                let name = steps[..=last].iter().map(ToString::to_string).collect::<Vec<_>>().join("/");
+                let number = *numbers.entry(name).or_insert_with_key(|name| {
+                    let copy = steps[..=last].iter().rev().find_map(|step| step.copy);
+                    found.push(name.clone(), copy.unwrap_or(NO_COPY))
+                });
+                if last + 1 == steps.len() {
+                    let own = match occurrence.placement {
+                        // a volume with one copy is part of the model itself
+                        PlacementId(0) => {
+                            program.leaf_bounds(occurrence.leaf).intersection(&region(step.name))
+                        }
+                        placement => {
+                            let (map, group) = program.placement(placement);
+                            program.prototype(group).bounds.transformed(&map)
+                        }
+                    };
+                    found.extend(number, own);
+                }
+            }
+        }
+        // volumes without a step of their own have their name as the path
+        let mut sorted: Vec<u32> = regions.iter().copied().collect();
+        sorted.sort_unstable();
+        for region in sorted {
+            let name = bare_name(&names[region as usize]);
+            if placed.contains(name) {
                 continue;
             }
-            placed.insert(step.name);
-            let name = steps[..=last].iter().map(ToString::to_string).collect::<Vec<_>>().join("/");
-            if seen.insert(name.clone()) {
-                let copy = steps[..=last].iter().rev().find_map(|step| step.copy);
-                found.push((name, copy.unwrap_or(NO_COPY)));
+            let number =
+                *numbers.entry(name.to_owned()).or_insert_with(|| found.push(name.to_owned(), NO_COPY));
+            // a region around all others is the world, of which light reaches a small part
+            if let Some(own) = of_region(&region).filter(|own| *own != program.bounds()) {
+                found.extend(number, own);
             }
         }
+        found
     }
-    // volumes without a step of their own have their name as the path
-    let mut regions: Vec<u32> = regions.iter().copied().collect();
-    regions.sort_unstable();
-    for region in regions {
-        let name = bare_name(&names[region as usize]);
-        if !placed.contains(name) && seen.insert(name.to_owned()) {
-            found.push((name.to_owned(), NO_COPY));
+
+    fn push(&mut self, path: String, copy: i64) -> usize {
+        self.paths.push((path, copy));
+        self.extents.push(None);
+        self.paths.len() - 1
+    }
+
+    /// Adds a box to the solid of a sensor.
+    fn extend(&mut self, number: usize, bounds: Bounds) {
+        if bounds.is_finite() {
+            let own = &mut self.extents[number];
+            *own = Some(own.map_or(bounds, |own| own.union(&bounds)));
         }
     }
-    found
 }

@@ -477,6 +477,17 @@ fn sensors_are_numbered_by_their_placements() {
     let detector = crate::detector(&tank(&(skin("black", "Paint", "Tank") + &borders))).unwrap();
     let sensors = |copies: [i64; 4]| copies.map(|copy| (format!("Sensor[{copy}]"), copy));
     assert_eq!(detector.sensor_paths(), sensors([0, 1, 2, 3]));
+    // boxes of 50 mm by 50 mm by 2 mm
+    for (k, extent) in (0..4).zip(detector.sensor_extents()) {
+        let centre = rayweave_math::Vec3::new(
+            25.0 * f64::from(2 * (k % 2) - 1),
+            25.0 * f64::from(2 * (k / 2) - 1),
+            151.0,
+        );
+        let (extent, half) = (extent.unwrap(), rayweave_math::Vec3::new(25.0, 25.0, 1.0));
+        assert!((extent.lo - (centre - half)).length() < 1e-9, "{k}: {extent:?}");
+        assert!((extent.hi - (centre + half)).length() < 1e-9, "{k}: {extent:?}");
+    }
     let mut hits = {
         let photon = |x: f64, y: f64| rayweave_photon::Photon {
             position: rayweave_math::Vec3::new(x, y, 149.0),

@@ -168,15 +168,16 @@ class Hits(_Named):
         return found
 
     def plot(self, plane: str | None = None, *, bins: int | None = None) -> Drawing:
-        """Maps of the hits: hits per area of each sensor, in the plane of the two coordinates along which its hits extend most.
+        """Maps of the hits: hits per area of each sensor, in the plane of the two coordinates along which it extends most if it is
+        flat, or else its hits.
 
         Of several sensors, the first map is a projection of all hits, in which sensors may overlap. It has a colour scale of its own;
         the sixteen sensors with the most hits follow with a common scale, in the order of `sensor_paths`.
 
         `plane` is the plane of all maps: "xy", "xz" or "yz"; "sphere" gives one map of the azimuth and the cosine of the polar angle
         of all hits as seen from the origin, in hits per steradian. `bins` is the number of cells along the longer side of each map
-        (for "sphere", along the polar angle, and twice as many along the azimuth); by default it grows with the number of hits, up
-        to 64. The cells of a projection divide the extent of its hits in both coordinates."""
+        (for "sphere", along the polar angle, and twice as many along the azimuth); by default it is chosen for about 100 hits in a
+        cell, from 4 to 64. The cells divide the extent of the sensor in both coordinates; sensors of equal size have equal cells."""
         cells = None if bins is None else whole(bins, "bins", least=1, bits=10)
         return Drawing(self._compiled.map_svg(self._title, cells, plane))
 
