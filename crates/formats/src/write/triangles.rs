@@ -380,6 +380,12 @@ pub(super) fn write(
                 return Err(WriteError::unsound(name, diagnosis));
             }
             remarks.add(RemarkKind::Approximated, format!("the mesh of `{name}` is not sound: {diagnosis}"));
+        } else if is_single(format, options) {
+            let rounded = in_file.diagnose();
+            if !rounded.is_sound() {
+                let text = format!("`{name}`, whose mesh is not sound in single precision: {rounded}");
+                remarks.add(RemarkKind::Approximated, text);
+            }
         }
         parts.push((name.as_str(), written));
     }
