@@ -64,10 +64,11 @@ pub(crate) type Leaves = [(LeafId, PlacementId); 2];
 impl Piece<'_> {
     /// The chord with its normals and the leaves of its faces.
     pub(crate) fn across(&self) -> Across {
-        let leaf = |face: Face| (face.leaf, face.placement);
-        let mut leaves = [leaf(self.entry.face), leaf(self.exit.face)];
-        leaves.sort_unstable();
-        Across { chord: self.chord(), normals: self.normals(), leaves: Some(leaves) }
+        let face = |face: Face| ((face.leaf, face.placement), face.facet);
+        let mut faces = [face(self.entry.face), face(self.exit.face)];
+        faces.sort_unstable();
+        let (leaves, facets) = (faces.map(|face| face.0), faces.map(|face| face.1));
+        Across { chord: self.chord(), normals: self.normals(), leaves: Some(leaves), facets }
     }
 
     /// The region; 0 is the world.
@@ -198,12 +199,14 @@ pub(crate) struct Across {
     pub normals: [Vec3; 2],
     /// `None` if they do not matter.
     pub leaves: Option<Leaves>,
+    /// The numbers of the faces within these leaves.
+    pub facets: [u32; 2],
 }
 
 impl Across {
     /// A chord with the normals at its ends, of any faces.
     pub fn new(chord: MeasuredChord, normals: [Vec3; 2]) -> Across {
-        Across { chord, normals, leaves: None }
+        Across { chord, normals, leaves: None, facets: [0; 2] }
     }
 
     /// The middle of the chord.

@@ -1,7 +1,10 @@
 //! Booleans of triangle meshes with the Rust port of the Manifold library (E. Lalish).
 //!
 //! Bodies are closed meshes without self-intersections. Unions, differences and intersections keep that property, also for
-//! coincident faces: the kernel moves one of them by an infinitesimal amount.
+//! coincident faces: the kernel moves one of them by an infinitesimal amount. Coincident planes need exactly equal coordinates for that,
+//! which `coincidence` provides.
+
+mod coincidence;
 
 use manifold_rust::linalg::{Vec2, Vec3 as KernelVec};
 use manifold_rust::manifold::Manifold;
@@ -145,16 +148,23 @@ impl Body {
         Body::from_triangles(points, triangles)
     }
 
+    fn boolean(&self, other: &Body, operation: OpType) -> Result<Option<Body>, String> {
+        Body::checked(match coincidence::aligned(&self.0, &other.0) {
+            Some((frame, [first, second])) => frame.back(first.boolean(&second, operation)),
+            None => self.0.boolean(&other.0, operation),
+        })
+    }
+
     pub fn union(&self, other: &Body) -> Result<Option<Body>, String> {
-        Body::checked(self.0.boolean(&other.0, OpType::Add))
+        self.boolean(other, OpType::Add)
     }
 
     pub fn difference(&self, other: &Body) -> Result<Option<Body>, String> {
-        Body::checked(self.0.boolean(&other.0, OpType::Subtract))
+        self.boolean(other, OpType::Subtract)
     }
 
     pub fn intersection(&self, other: &Body) -> Result<Option<Body>, String> {
-        Body::checked(self.0.boolean(&other.0, OpType::Intersect))
+        self.boolean(other, OpType::Intersect)
     }
 
     /// The union of all bodies, computed pairwise so that operands stay small until the last step.

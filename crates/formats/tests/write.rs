@@ -4,6 +4,8 @@
 mod coaxial;
 #[path = "write/outlines.rs"]
 mod outlines;
+#[path = "write/touching.rs"]
+mod touching;
 
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_formats::{Format, Imported, Options, RemarkKind, WriteOptions, Written, parse, write};

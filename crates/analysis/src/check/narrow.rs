@@ -3,7 +3,7 @@
 use crate::survey::{Across, Faces, Leaves, Piece, confirmed, narrowest};
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, RegionId};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Chords with an estimated width below this multiple of a limit for walls are candidates: a chord beside the narrowest place of a
 /// wall, or slanted, may be wider than the limit.
@@ -24,9 +24,12 @@ const STEPS: usize = 128;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Narrow(BTreeMap<Side, Vec<Candidate>>);
 
-/// The leaves that chords join, and the direction of the normals: the axis of its largest component, and the ratios of the others
+/// The faces that chords join, and the direction of the normals: the axis of its largest component, and the ratios of the others
 /// to it, in units of 1/2.
-type Side = (Option<Leaves>, u8, [i8; 2]);
+type Side = (Option<Leaves>, [u32; 2], u8, [i8; 2]);
+
+/// Faces with numbers from here on count as one: those of meshes and of solids with many sides.
+const MANY_FACETS: u32 = 16;
 
 /// A chord of a region, with its width.
 #[derive(Clone, Copy, Debug)]
@@ -85,7 +88,23 @@ impl Narrow {
     /// The narrowest place: a chord of the region, perpendicular to the faces as far as they allow it. Its width is at most that of
     /// each chord that was added, except for those that exist only because of rounding.
     pub fn measured<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Option<Across> {
-        let mut least: Option<Across> = None;
+        self.measured_by_side(evaluator, scratch).into_iter().next()
+    }
+
+    /// The narrowest place between each two faces, as [`measured`](Self::measured), the narrowest first. A pair of faces is there once,
+    /// whatever the directions of the chords between them.
+    pub fn measured_by_faces<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Vec<Across> {
+        let mut known = BTreeSet::new();
+        let mut found = self.measured_by_side(evaluator, scratch);
+        found.retain(|across| {
+            known.insert((across.leaves, across.facets.map(|facet| facet.min(MANY_FACETS))))
+        });
+        found
+    }
+
+    /// The narrowest place of each side, the narrowest first.
+    fn measured_by_side<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Vec<Across> {
+        let mut all: Vec<Across> = Vec::new();
         for candidates in self.0.values() {
             let mut best: Option<(f64, RegionId, Across)> = None;
             // one step for each candidate, all steps for the best one
@@ -99,12 +118,10 @@ impl Narrow {
                 }
             }
             let Some((_, region, across)) = best else { continue };
-            let found = narrowest(evaluator, across, &|other| other == region, STEPS, scratch);
-            if least.is_none_or(|least| found.width(Faces::Wall) < least.width(Faces::Wall)) {
-                least = Some(found);
-            }
+            all.push(narrowest(evaluator, across, &|other| other == region, STEPS, scratch));
         }
-        least
+        all.sort_by(|a, b| a.width(Faces::Wall).total_cmp(&b.width(Faces::Wall)));
+        all
     }
 }
 
@@ -120,5 +137,6 @@ fn side(across: &Across) -> Side {
         (2, z, [x, y])
     };
     // the quotient has the same sign for both directions of the chord
-    (across.leaves, axis, others.map(|other| (2.0 * other / by).round() as i8))
+    let facets = across.facets.map(|facet| facet.min(MANY_FACETS));
+    (across.leaves, facets, axis, others.map(|other| (2.0 * other / by).round() as i8))
 }

@@ -138,6 +138,9 @@ pub fn findings<E: Evaluator>(
     Ok(found)
 }
 
+/// The number of thin walls that are reported for each region; further ones are counted.
+const MAX_WALLS: usize = 20;
+
 fn walls_and_gaps<E: Evaluator>(
     subject: &Subject<'_>,
     evaluator: &E,
@@ -147,11 +150,17 @@ fn walls_and_gaps<E: Evaluator>(
     let (mut found, mut scratch) = (Vec::new(), evaluator.scratch());
     let name = |region: &RegionId| subject.name(region.index() - 1);
     for (region, candidates) in &seen.thin {
-        let Some(least) = candidates.measured(evaluator, &mut scratch) else { continue };
-        let width = least.width(Faces::Wall);
-        if width < thin {
-            let text = format!("{} is thin", name(region));
-            found.push(Finding::new(FindingKind::Thin, &[name(region)], text).seen(width, least.chord));
+        let mut walls = candidates.measured_by_faces(evaluator, &mut scratch);
+        walls.retain(|wall| wall.width(Faces::Wall) < thin);
+        let finding = |text: String| Finding::new(FindingKind::Thin, &[name(region)], text);
+        for wall in walls.iter().take(MAX_WALLS) {
+            found
+                .push(finding(format!("{} is thin", name(region))).seen(wall.width(Faces::Wall), wall.chord));
+        }
+        match walls.len().saturating_sub(MAX_WALLS) {
+            0 => {}
+            1 => found.push(finding(format!("{} has 1 more thin wall", name(region)))),
+            more => found.push(finding(format!("{} has {more} more thin walls", name(region)))),
         }
     }
     for ([a, b], candidates) in &seen.gaps {

@@ -54,6 +54,45 @@ fn a_wall_does_not_hide_another() {
     }
 }
 
+/// A box with a pocket beside its middle has walls of 0.5, 0.8, 1.5 and 2 around it and a floor of 1; all join the same two shapes.
+#[test]
+fn all_walls_below_the_limit_are_reported() {
+    let text = "[solid.block]\nbox_from_corners = { lo = [0, 0, 0], hi = [20, 30, 10] }\n\
+        [solid.pocket]\nbox_from_corners = { lo = [0.5, 2, 1], hi = [19.2, 28.5, 11] }\n\
+        [solid.tray]\nexpr = \"block - pocket\"\n[[region]]\nsolid = \"tray\"";
+    for (wall, expected) in
+        [(3.0, &[0.5, 0.8, 1.0, 1.5, 2.0][..]), (1.2, &[0.5, 0.8, 1.0]), (0.7, &[0.5]), (0.4, &[])]
+    {
+        let report = checked(text, &CheckSettings { wall: Some(wall), ..CheckSettings::default() });
+        let sizes: Vec<f64> = report.of(FindingKind::Thin).map(|finding| finding.size.unwrap()).collect();
+        let is_equal = sizes.iter().zip(expected).all(|(size, expected)| is_near(Some(*size), *expected));
+        assert!(sizes.len() == expected.len() && is_equal, "{wall}: {sizes:?}");
+    }
+}
+
+/// 25 slots at equal distances leave 24 walls between them, and one at each end.
+#[test]
+fn further_thin_walls_are_counted() {
+    let slots: String = (0..25)
+        .map(|k| {
+            format!(
+                "[solid.s{k}]\nbox = {{ size = [2, 8, 9] }}\ntransform = {{ translate = [{}, 0, 3] }}\n",
+                3 * k
+            )
+        })
+        .collect();
+    let names: Vec<String> = (0..25).map(|k| format!("s{k}")).collect();
+    let text = format!(
+        "[solid.bar]\nbox_from_corners = {{ lo = [-2, -10, -5], hi = [74, 10, 5] }}\n{slots}[solid.comb]\nexpr = \"bar - ({})\"\n[[region]]\nsolid = \"comb\"",
+        names.join(" | ")
+    );
+    let report = checked(&text, &CheckSettings { wall: Some(1.4), across: 128, ..CheckSettings::default() });
+    let findings: Vec<&Finding> = report.of(FindingKind::Thin).collect();
+    assert_eq!(findings.len(), 21, "{findings:?}");
+    assert!(findings[..20].iter().all(|finding| is_near(finding.size, 1.0)), "{findings:?}");
+    assert_eq!((findings[20].text.as_str(), findings[20].size), ("comb has 6 more thin walls", None));
+}
+
 /// A random number from 0 to 1 of a linear congruential generator (Knuth, MMIX).
 fn random(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -53,7 +53,7 @@ pub struct Check {
     #[command(flatten)]
     only: OnlyArguments,
 
-    /// Report walls thinner than this; a limit above all walls reports the thinnest one of each region [default: 1e-5 of the diagonal of the model]
+    /// Report walls thinner than this, between any two faces: up to 20 for each region, the thinnest first [default: 1e-5 of the diagonal of the model]
     #[arg(long, value_name = "LENGTH")]
     wall: Option<f64>,
 

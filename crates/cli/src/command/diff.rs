@@ -1,6 +1,6 @@
 //! `rayweave diff`: comparison of two models.
 
-use crate::arguments::{GlobalArguments, ModelArguments, WithinArguments};
+use crate::arguments::{GlobalArguments, ModelArguments, OnlyArguments, WithinArguments};
 use crate::failure::Failure;
 use crate::terminal::{self, Sampling};
 use crate::{drawing, interrupt, interval};
@@ -43,6 +43,9 @@ pub struct Diff {
     /// Unit of lengths of the second model, if its file has none [default: mm]
     #[arg(long, value_name = "UNIT", value_parser = rayweave::scene::Unit::ALL.map(|(_, symbol, _)| symbol))]
     other_unit: Option<String>,
+
+    #[command(flatten)]
+    only: OnlyArguments,
 
     /// Parts to compare [default: everything if one of the models has a single region, else regions by name]
     #[arg(long, value_name = "WHAT")]
@@ -116,6 +119,7 @@ impl Diff {
         self.out.as_deref().map_or(Ok(()), drawing::check)?;
         let (format, unit) = (self.other_format.as_deref(), self.other_unit.as_deref());
         let (a, b) = (self.model.load()?, self.model.load_other(&self.other, format, unit)?);
+        let (a, b) = (self.only.of(a)?, self.only.of(b)?);
         let settings = self.settings(global)?;
         let bar = Sampling::new(settings.measure.precision, global.quiet);
         let mut progress = |now: DiffProgress| bar.show_pair(now.rays, now.precision, [now.done, now.pairs]);

@@ -219,12 +219,27 @@ impl Render {
         opacities.iter().try_for_each(|opacity| opacity.apply(&mut scene))?;
         scene = scene.seen();
         if let Some(cut) = cut {
+            self.note_missed_cut(&cut, &scene)?;
             scene = cut.apply(&scene)?;
         }
         if let Some(explosion) = explosion {
             scene = explosion.apply(&scene)?;
         }
         Ok(scene)
+    }
+
+    /// Prints a note if a cut removes nothing of the model.
+    fn note_missed_cut(&self, cut: &CutAway, scene: &Scene) -> Result<(), Failure> {
+        let bounds = Compiled::new(scene)?.program.bounds();
+        if !bounds.is_empty() && cut.misses(&bounds)? {
+            let corner = |p: rayweave::Vec3| terminal::short_point(p.to_array());
+            let (lo, hi) = (corner(bounds.lo), corner(bounds.hi));
+            let cut = self.cut.as_deref().unwrap_or_default();
+            terminal::note(&format!(
+                "note: --cut {cut} removes nothing: the model reaches from {lo} to {hi}. Give conditions within it."
+            ));
+        }
+        Ok(())
     }
 
     /// The views of the sheet, if requested.

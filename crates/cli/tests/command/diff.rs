@@ -26,6 +26,30 @@ fn the_same_is_0() {
 }
 
 #[test]
+fn one_solid_of_each_model_is_compared() {
+    let bench = Bench::new();
+    let text = |radius: f64| {
+        format!(
+            "rayweave = 1\n[solid.ball]\nsphere = {{ radius = 1 }}\n[solid.rod]\ncylinder = {{ radius = {radius}, height = 4 }}\n\
+             [solid.part]\nexpr = \"ball | rod\"\n[[region]]\nsolid = \"part\""
+        )
+    };
+    bench.write("a.toml", text(0.25));
+    bench.write("b.toml", text(0.5));
+    bench.says(&["diff", "a.toml", "b.toml", "--solid", "ball", "--cells", "16"]);
+    for solid in ["rod", "part"] {
+        assert_eq!(
+            bench.run(&["diff", "a.toml", "b.toml", "--solid", solid, "--cells", "16"]).code,
+            1,
+            "{solid}"
+        );
+    }
+    bench.write("c.toml", text(0.5).replace("rod", "bar"));
+    let run = bench.run(&["diff", "a.toml", "c.toml", "--solid", "rod"]);
+    assert!(run.code == 2 && run.err.contains("the names are ball, bar, part"), "{}", run.err);
+}
+
+#[test]
 fn a_difference_has_exit_code_1_and_is_reported() {
     let bench = Bench::new();
     bench.write("large.toml", BALL.replace("R = 1.0", "R = 1.25"));

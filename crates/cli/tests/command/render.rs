@@ -48,6 +48,20 @@ fn a_ball_fills_the_middle_of_its_picture() {
 }
 
 #[test]
+fn a_cut_that_removes_nothing_is_noted() {
+    let bench = Bench::new();
+    let cut =
+        |cut: &str| bench.run(&["render", "ball.toml", "-o", "out.png", "--size", "32x24", "--cut", cut]);
+    for text in ["z>10", "x>0,y<-200"] {
+        let run = cut(text);
+        let expected =
+            format!("note: --cut {text} removes nothing: the model reaches from (-1, -1, -1) to (1, 1, 1).");
+        assert!(run.code == 0 && run.err.contains(&expected), "{}", run.err);
+    }
+    assert!(!cut("x>0,y<0").err.contains("note"));
+}
+
+#[test]
 fn options_change_the_picture() {
     let bench = Bench::new();
     let plain = picture(&bench, &[]);

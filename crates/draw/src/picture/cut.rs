@@ -72,6 +72,23 @@ impl CutAway {
         Ok(scene)
     }
 
+    /// True if the removed part has no volume in common with a box, such as the bounding box of the model.
+    ///
+    /// # Errors
+    ///
+    /// [`DrawError::Option`] for a percentage of a box that is empty, or unbounded along the axis.
+    pub fn misses(&self, bounds: &Bounds) -> Result<bool, DrawError> {
+        let mut rest = *bounds;
+        for condition in &self.0 {
+            let coordinate = condition.coordinate(bounds)?;
+            let end = if condition.is_above { &mut rest.lo } else { &mut rest.hi };
+            let axis = condition.axis;
+            end[axis] =
+                if condition.is_above { end[axis].max(coordinate) } else { end[axis].min(coordinate) };
+        }
+        Ok((0..3).any(|axis| rest.lo[axis] >= rest.hi[axis]))
+    }
+
     /// True if a view in this direction, a unit vector, looks onto a cut face: the removed part is in front of it.
     pub fn is_seen_along(&self, forward: Vec3) -> bool {
         // views at a slant, such as the one from the upper right, see faces across all three axes
@@ -155,6 +172,18 @@ mod tests {
         let seen = [View::Front, View::Back, View::Left, View::Right, View::Top, View::Iso]
             .map(|view| cut.is_seen_along(view.forward_and_up().0));
         assert_eq!(seen, [true, false, false, true, false, true]);
+    }
+
+    #[test]
+    fn cuts_beside_a_box_miss_it() {
+        let bounds = Bounds { lo: Vec3::new(-1.0, -2.0, 0.0), hi: Vec3::new(1.0, 2.0, 10.0) };
+        let misses = |text: &str| text.parse::<CutAway>().unwrap().misses(&bounds).unwrap();
+        for text in ["z>10", "z>9,y<-2", "x<-1", "x>0,x<-0.5", "z<0%"] {
+            assert!(misses(text), "{text}");
+        }
+        for text in ["z>9.5", "z>9,y<-1.5", "x<0", "x>-0.5,x<0.5", "z<1%", "z<200"] {
+            assert!(!misses(text), "{text}");
+        }
     }
 
     #[test]

@@ -156,6 +156,7 @@ impl Arguments<'_> {
                 let edits = |known: &str| (name.len().max(known.len()) / 3).max(1);
                 let meant = closest(name, names(), edits).first().copied();
                 let meant = meant.map(|meant| format!("Did you mean `{meant}`?"));
+                let meant = source_radius(&self.node.name, name).map(str::to_owned).or(meant);
                 warnings.push(ignored(format!("the argument `{name}`"), why).suggest(meant));
             } else if !seen.insert(name) {
                 warnings.push(ignored(format!("the second `{name}`"), "the first one counts".to_owned()));
@@ -175,6 +176,16 @@ pub(super) fn finite<const N: usize>(value: &Value) -> Option<[f64; N]> {
 /// A vector of three finite numbers.
 pub(super) fn vector(value: &Value) -> Option<Vec3> {
     finite::<3>(value).map(Vec3::from_array)
+}
+
+/// Advice for a radius or diameter that OpenSCAD accepts in a program and replaces in a dump.
+fn source_radius(item: &str, parameter: &str) -> Option<&'static str> {
+    Some(match (item, parameter) {
+        ("cylinder", "r") => "Did you mean `r1` and `r2`?",
+        ("cylinder", "d" | "d1" | "d2") => "Did you mean `r1` and `r2`, half of the diameters?",
+        ("sphere" | "circle", "d") => "Did you mean `r`, half of the diameter?",
+        _ => return None,
+    })
 }
 
 /// Parameters that every item accepts, whether or not it is round.

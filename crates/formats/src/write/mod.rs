@@ -8,6 +8,7 @@
 
 mod error;
 mod facets;
+mod films;
 mod fold;
 mod gdml;
 mod model;

@@ -1,6 +1,7 @@
 //! Mesh writer: each region as a closed triangle mesh within the tolerance.
 
 use super::facets::{self, Frame, Request, Turned};
+use super::films::films;
 use super::fold::{Builder, Operation, check_count, fold};
 use super::model::Model;
 use super::remark::Remarks;
@@ -266,6 +267,15 @@ pub(super) struct Made {
     pub diagnosis: Diagnosis,
 }
 
+/// The defects of a mesh. Faces that overlap in one plane within rounding are among the overlaps.
+fn diagnosed(mesh: &Mesh) -> Diagnosis {
+    let mut diagnosis = mesh.diagnose();
+    if diagnosis.overlaps.is_empty() {
+        diagnosis.overlaps = films(mesh);
+    }
+    diagnosis
+}
+
 /// Bodies as meshes. If one of them is not sound, solids of revolution are combined by their profiles instead; that takes longer, and
 /// equal circles of neighbouring regions may have different facets.
 fn sound(
@@ -275,7 +285,7 @@ fn sound(
     let made = |solids: &Solids| -> Result<Vec<Made>, WriteError> {
         let bodies = combined(model, solids)?.into_iter();
         let meshes = bodies.map(|(name, body)| match body.mesh() {
-            Ok(mesh) => Ok(Made { diagnosis: mesh.diagnose(), name, mesh }),
+            Ok(mesh) => Ok(Made { diagnosis: diagnosed(&mesh), name, mesh }),
             Err(why) => Err(WriteError::Kernel { region: name, why }),
         });
         meshes.collect()
@@ -370,6 +380,12 @@ pub(super) fn write(
                 return Err(WriteError::unsound(name, diagnosis));
             }
             remarks.add(RemarkKind::Approximated, format!("the mesh of `{name}` is not sound: {diagnosis}"));
+        } else if is_single(format, options) {
+            let rounded = in_file.diagnose();
+            if !rounded.is_sound() {
+                let text = format!("`{name}`, whose mesh is not sound in single precision: {rounded}");
+                remarks.add(RemarkKind::Approximated, text);
+            }
         }
         parts.push((name.as_str(), written));
     }
