@@ -2081,7 +2081,7 @@ def mesh_file_parts(
 
 def mesh_defects(
     vertices: NDArray[np.float64], triangles: NDArray[np.uint32]
-) -> tuple[int, int, float, str]:
+) -> tuple[int, int, float, str, bool]:
     """The number of shells and of open edges, the exact volume (NaN if it is unknown), and a summary of all defects of a mesh."""
 
 def exact_volume(solid: Solid) -> float | None:

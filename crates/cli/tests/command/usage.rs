@@ -10,7 +10,7 @@ fn wrong_command_lines() {
     assert!(bench.fails(2, &["info"]).contains("<MODEL>"));
     assert!(bench.fails(2, &["info", "ball.toml", "--jsn"]).contains("'--json'"));
     // a file name that begins with two hyphens is not what was meant
-    let unknown = bench.fails(2, &["diff", "ball.toml", "cemented.toml", "--solid", "left"]);
+    let unknown = bench.fails(2, &["info", "ball.toml", "--solid", "left"]);
     assert!(
         unknown.contains("unexpected argument '--solid' found") && !unknown.contains("as a value"),
         "{unknown}"
