@@ -360,4 +360,6 @@ def test_a_region_may_have_the_name_of_the_world():
     model = rw.Model([rw.Region("world", rw.sphere(1), "x"), rw.Region("outside", rw.sphere(0.5), "x")], {"x": {}})
     pieces = model.partition([-3, 0, 0], [1, 0, 0], 0, 6, by="region")
     assert pieces.region_names == ("space outside", "world", "outside")
-    assert pieces.to_pandas().groupby("region", observed=True)["length"].sum().to_dict() == {"space outside": 4, "world": 1, "outside": 1}
+    table = pieces.to_pandas()
+    lengths = (table["t_end"] - table["t_start"]).groupby(table["region"], observed=True).sum()
+    assert lengths.to_dict() == {"space outside": 4, "world": 1, "outside": 1}

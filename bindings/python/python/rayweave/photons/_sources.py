@@ -17,8 +17,8 @@ from rayweave.optics._sources import Spectrum, _spectrum
 if TYPE_CHECKING:
     from rayweave.photons._detector import Detector, Material
 
-#: Wavelengths: a spectrum of `rayweave.optics`, or the scintillation light of a material.
-Wavelengths: TypeAlias = "Spectrum | tuple[Literal['scintillation'], Material]"
+    #: Wavelengths: a spectrum of `rayweave.optics`, or the scintillation light of a material.
+    _Wavelengths: TypeAlias = Spectrum | tuple[Literal["scintillation"], Material]
 
 #: A time, or the ends of an interval.
 Time = float | tuple[float, float]
@@ -62,11 +62,12 @@ def _compiled(detector: Detector) -> _core.CompiledDetector:
     return compiled
 
 
-def _distribution(wavelength_nm: Wavelengths) -> tuple[str, list[float], str]:
+def _distribution(wavelength_nm: _Wavelengths) -> tuple[str, list[float], str]:
     """The kind of a spectrum, its numbers, and the name of its material."""
-    if not (isinstance(wavelength_nm, tuple) and wavelength_nm[:1] == ("scintillation",)):
-        return *_spectrum(wavelength_nm), ""
-    material: Any = wavelength_nm[1] if len(wavelength_nm) == 2 else None
+    given: Any = wavelength_nm
+    if not (isinstance(given, tuple) and given[:1] == ("scintillation",)):
+        return *_spectrum(given), ""
+    material: Any = given[1] if len(given) == 2 else None
     components = getattr(material, "scintillation", None)
     if components is None:
         needed = '("scintillation", detector.material(name))'
@@ -79,7 +80,7 @@ def _distribution(wavelength_nm: Wavelengths) -> tuple[str, list[float], str]:
 
 
 def _light(
-    wavelength_nm: Wavelengths,
+    wavelength_nm: _Wavelengths,
     towards: ArrayLike | None,
     cone_degrees: float,
     polarisation: ArrayLike | None,
@@ -120,7 +121,7 @@ def _named(light: Mapping[str, Any]) -> str:
 
 def point(
     position: ArrayLike,
-    wavelength_nm: Wavelengths,
+    wavelength_nm: _Wavelengths,
     *,
     towards: ArrayLike | None = None,
     cone_degrees: float = 0.0,
@@ -168,7 +169,7 @@ def point(
 def disc(
     centre: ArrayLike,
     radius: float,
-    wavelength_nm: Wavelengths,
+    wavelength_nm: _Wavelengths,
     *,
     normal: ArrayLike | None = None,
     towards: ArrayLike | None = None,
@@ -199,7 +200,7 @@ def disc(
 def line(
     start: ArrayLike,
     end: ArrayLike,
-    wavelength_nm: Wavelengths,
+    wavelength_nm: _Wavelengths,
     *,
     towards: ArrayLike | None = None,
     cone_degrees: float = 0.0,
@@ -224,7 +225,7 @@ def line(
 def volume(
     detector: Detector,
     name: str,
-    wavelength_nm: Wavelengths,
+    wavelength_nm: _Wavelengths,
     *,
     towards: ArrayLike | None = None,
     cone_degrees: float = 0.0,
@@ -251,7 +252,7 @@ def volume(
 def surface(
     detector: Detector,
     name: str,
-    wavelength_nm: Wavelengths,
+    wavelength_nm: _Wavelengths,
     *,
     towards: ArrayLike | None = None,
     cone_degrees: float = 0.0,
