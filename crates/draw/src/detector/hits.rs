@@ -200,12 +200,17 @@ pub fn hit_maps_svg(hits: HitPositions<'_>, title: &str, unit: &str) -> String {
 const OUTLINE_STYLE: &str =
     ".outline { fill: none; stroke: #ffffff; stroke-width: 0.7; stroke-opacity: 0.6 }\n";
 
+/// A number of hits in words.
+fn hits_of(count: usize) -> String {
+    if count == 1 { "1 hit".to_owned() } else { format!("{count} hits") }
+}
+
 fn subtitle(hits: HitPositions<'_>, panels: &[Panel<'_>]) -> String {
     let sensors = counts(hits).len();
     let maps = panels.iter().filter(|panel| panel.outlines.is_none()).count();
     match (hits.sensors.len(), sensors) {
         (0, _) => "no hits".to_owned(),
-        (n, 1) => format!("{n} hits of one sensor"),
+        (n, 1) => format!("{} of one sensor", hits_of(n)),
         (n, sensors) if (1..sensors).contains(&maps) => {
             format!("{n} hits of {sensors} sensors; the {maps} sensors with the most hits")
         }
@@ -419,7 +424,7 @@ impl<'a> Panel<'a> {
 
     fn subtitle(&self, count: usize) -> String {
         let part = 100.0 * self.hits as f64 / count.max(1) as f64;
-        let text = format!("{} hits, {part:.1} %", self.hits);
+        let text = format!("{}, {part:.1} %", hits_of(self.hits));
         if self.outlines.is_some() { format!("{text}, {}", self.plane.projection()) } else { text }
     }
 }

@@ -144,7 +144,7 @@ impl PropertyReader {
 /// The properties that state how many photons a particle emits; photons do not depend on them.
 const YIELDS: [&str; 2] = ["SCINTILLATIONYIELD", "RESOLUTIONSCALE"];
 
-const OF_YIELDS: &str = "SCINTILLATIONYIELD and RESOLUTIONSCALE have no effect: numbers of scintillation photons come from gensteps.";
+const OF_YIELDS: &str = "SCINTILLATIONYIELD and RESOLUTIONSCALE have no effect: numbers of scintillation photons come from the source.";
 
 /// The properties of Geant4 that a misspelt name may mean.
 const KNOWN: [&str; 44] = [

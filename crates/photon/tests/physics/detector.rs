@@ -95,7 +95,7 @@ fn unused_properties_and_surfaces_are_noted() {
         ..CLEAR
     };
     let notes = slab.build().notes().join("\n");
-    assert_eq!(notes.matches("numbers of scintillation photons come from gensteps").count(), 1, "{notes}");
+    assert_eq!(notes.matches("numbers of scintillation photons come from the source").count(), 1, "{notes}");
     assert!(!notes.contains("the property `SCINTILLATIONYIELD`"), "{notes}");
     assert!(notes.contains("optical surface `Idle` is ignored: it is attached to no volume."), "{notes}");
 }
