@@ -3,6 +3,7 @@
 use crate::error::PhotonError;
 use crate::material::{OpticalMaterial, ScintillationComponent};
 use crate::philox::Stream;
+use crate::property::Spectrum;
 
 /// The scintillation light of a material: wavelengths and delays of its components, by their shares of the yield.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,8 +43,13 @@ impl ScintillationLight {
             [component] => component,
             components => &components[chosen(components, stream)],
         };
-        (component.spectrum.quantile(stream.uniform(), f64::INFINITY).unwrap_or_default(), component)
+        (energy(&component.spectrum, stream), component)
     }
+}
+
+/// An energy in MeV.
+pub(crate) fn energy(spectrum: &Spectrum, stream: &mut Stream) -> f64 {
+    spectrum.quantile(stream.uniform(), f64::INFINITY).unwrap_or_default()
 }
 
 /// The index of a component, with the probability of its share of the yield.

@@ -96,9 +96,7 @@ impl Narrow {
     pub fn measured_by_faces<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Vec<Across> {
         let mut known = BTreeSet::new();
         let mut found = self.measured_by_side(evaluator, scratch);
-        found.retain(|across| {
-            known.insert((across.leaves, across.facets.map(|facet| facet.min(MANY_FACETS))))
-        });
+        found.retain(|across| known.insert((across.leaves, facets_of(across))));
         found
     }
 
@@ -137,6 +135,10 @@ fn side(across: &Across) -> Side {
         (2, z, [x, y])
     };
     // the quotient has the same sign for both directions of the chord
-    let facets = across.facets.map(|facet| facet.min(MANY_FACETS));
-    (across.leaves, facets, axis, others.map(|other| (2.0 * other / by).round() as i8))
+    (across.leaves, facets_of(across), axis, others.map(|other| (2.0 * other / by).round() as i8))
+}
+
+/// The faces that a chord joins, those of meshes and of solids with many sides as one.
+fn facets_of(across: &Across) -> [u32; 2] {
+    across.facets.map(|facet| facet.min(MANY_FACETS))
 }

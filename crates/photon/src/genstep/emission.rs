@@ -5,7 +5,7 @@ use crate::philox::{Stream, perpendicular};
 use crate::photon::Photon;
 use crate::property::{PropertyTable, Spectrum};
 use crate::sample::linear_quantile;
-use crate::scintillation::delay;
+use crate::scintillation;
 use rayweave_math::Vec3;
 
 /// The path of a particle along which photons start.
@@ -58,11 +58,11 @@ pub(super) fn scintillation_photon(
     (spectrum, decay, rise): (&Spectrum, f64, f64),
     stream: &mut Stream,
 ) -> Photon {
-    let energy = spectrum.quantile(stream.uniform(), f64::INFINITY).unwrap_or_default();
+    let energy = scintillation::energy(spectrum, stream);
     let direction = stream.direction();
     let polarisation = stream.polarisation(direction);
     let fraction = stream.uniform();
     let (position, start) = path.at(if is_charged { fraction } else { 1.0 });
-    let time = start + delay(decay, rise, stream);
+    let time = start + scintillation::delay(decay, rise, stream);
     Photon { position, direction, polarisation, energy, time }
 }

@@ -606,8 +606,13 @@ class Prescription:
         return self._stated_aperture("stop_semi_diameter")
 
     def _stated_aperture(self, kind: str) -> float | None:
-        own, size = self._compiled.frame()["aperture"]
-        return float(size) if own == kind else None
+        own, size = self._aperture()
+        return size if own == kind else None
+
+    def _aperture(self) -> tuple[str, float]:
+        """The argument of the constructor that states the aperture, and its value."""
+        kind, size = self._compiled.frame()["aperture"]
+        return str(kind), float(size)
 
     @property
     def stop(self) -> int:

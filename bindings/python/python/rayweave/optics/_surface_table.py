@@ -10,8 +10,6 @@ from rayweave._core import Glass
 if TYPE_CHECKING:
     from rayweave.optics._prescription import Behind, Prescription, Surface
 
-_APERTURES = ("entrance_pupil_diameter", "f_number", "object_numerical_aperture", "stop_semi_diameter")
-
 #: The columns that are aligned to the right.
 _NUMBERS = (1, 2, 4, 5)
 
@@ -44,8 +42,7 @@ def prescription_text(lens: Prescription, semi_diameters: Sequence[float | None]
 def _frame_lines(lens: Prescription) -> list[str]:
     """The lines above the table."""
     name = f"{lens.name}: " if lens.name else ""
-    stated = ((kind, getattr(lens, kind)) for kind in _APERTURES)
-    kind, size = next((kind, size) for kind, size in stated if size is not None)
+    kind, size = lens._aperture()
     words = kind.replace("_", " ").replace("f number", "F-number")
     length = f" {lens.unit}" if "diameter" in kind else ""
     fields = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in lens.fields)
