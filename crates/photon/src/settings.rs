@@ -15,6 +15,26 @@ pub enum TimeProfile {
     Exponential,
 }
 
+impl TimeProfile {
+    /// All profiles.
+    pub const ALL: [TimeProfile; 2] = [TimeProfile::Delta, TimeProfile::Exponential];
+
+    /// The name in files, bindings and commands.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            TimeProfile::Delta => "delta",
+            TimeProfile::Exponential => "exponential",
+        }
+    }
+
+    /// The profile of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<TimeProfile> {
+        TimeProfile::ALL.into_iter().find(|profile| profile.name() == name)
+    }
+}
+
 /// Settings of a run.
 #[derive(Clone, Debug)]
 pub struct RunSettings {

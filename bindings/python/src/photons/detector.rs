@@ -95,25 +95,23 @@ pub struct PhotonSettings {
     device: String,
 }
 
+/// The error about an argument that is none of the names from which it must be chosen.
+fn unknown_choice(argument: &str, value: &str, names: &[&str]) -> PyErr {
+    let (last, others) = names.split_last().unwrap_or((&"", &[]));
+    bad_value(format!("{argument} is {value:?}: it must be {} or {last}.", others.join(", ")))
+}
+
 impl PhotonSettings {
     fn settings(&self, cancel: &Cancel) -> PyResult<RunSettings> {
-        let detection = match self.detect.as_str() {
-            "efficiency" => DetectionRule::Efficiency,
-            "volume" => DetectionRule::Volume,
-            "both" => DetectionRule::Both,
-            other => {
-                let known = "it must be efficiency, volume or both";
-                return Err(bad_value(format!("detect is {other:?}: {known}.")));
-            }
-        };
-        let wls_time_profile = match self.wls_time_profile.as_str() {
-            "delta" => TimeProfile::Delta,
-            "exponential" => TimeProfile::Exponential,
-            other => {
-                let known = "it must be delta or exponential";
-                return Err(bad_value(format!("wls_time_profile is {other:?}: {known}.")));
-            }
-        };
+        let detection = DetectionRule::from_name(&self.detect)
+            .ok_or_else(|| unknown_choice("detect", &self.detect, &DetectionRule::ALL.map(DetectionRule::name)))?;
+        let wls_time_profile = TimeProfile::from_name(&self.wls_time_profile).ok_or_else(|| {
+            unknown_choice(
+                "wls_time_profile",
+                &self.wls_time_profile,
+                &TimeProfile::ALL.map(TimeProfile::name),
+            )
+        })?;
         Ok(RunSettings {
             seed: self.seed,
             event: self.event,

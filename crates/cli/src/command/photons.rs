@@ -10,7 +10,8 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::photon_report::PhotonReport;
 use crate::terminal::{self, Unit};
-use clap::{ArgMatches, Args, Command, FromArgMatches, ValueEnum};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{ArgMatches, Args, Command, FromArgMatches};
 use rayweave::Packets;
 use rayweave::check::{CheckSettings, Hierarchy, protruding};
 use rayweave::detector::{Histogram, HitPositions, MapPlane, histograms_svg, hit_maps_svg};
@@ -80,8 +81,8 @@ pub struct Simulation {
     seed: u64,
 
     /// Rule of detection: absorption at a surface with the probability EFFICIENCY, entering a sensitive volume, or both
-    #[arg(long, value_name = "RULE", default_value = "both")]
-    detect: Rule,
+    #[arg(long, value_name = "RULE", default_value = "both", value_parser = detection_rule())]
+    detect: DetectionRule,
 
     #[command(flatten)]
     tables: SurfaceTableArguments,
@@ -95,8 +96,8 @@ pub struct Simulation {
     max_time: f64,
 
     /// Times of wavelength shifters: always the time constant (Geant4's default), or exponential with the time constant as the mean
-    #[arg(long, value_name = "PROFILE", default_value = "delta")]
-    wls_time_profile: Profile,
+    #[arg(long, value_name = "PROFILE", default_value = "delta", value_parser = time_profile())]
+    wls_time_profile: TimeProfile,
 
     /// Table of hits: .csv, .npy (with a table of names) or .parquet (if built in); - writes CSV to standard output. It is written
     /// during the run: memory does not grow with the number of photons, unless hits are drawn
@@ -159,38 +160,16 @@ pub struct Simulation {
     json: bool,
 }
 
-/// Names of [`DetectionRule`].
-#[derive(Clone, Copy, ValueEnum)]
-enum Rule {
-    Efficiency,
-    Volume,
-    Both,
+/// Reads the name of a rule of detection.
+fn detection_rule() -> impl TypedValueParser<Value = DetectionRule> {
+    let names = PossibleValuesParser::new(DetectionRule::ALL.map(DetectionRule::name));
+    names.map(|name| DetectionRule::from_name(&name).unwrap_or_default())
 }
 
-impl Rule {
-    fn rule(self) -> (DetectionRule, &'static str) {
-        match self {
-            Rule::Efficiency => (DetectionRule::Efficiency, "efficiency"),
-            Rule::Volume => (DetectionRule::Volume, "volume"),
-            Rule::Both => (DetectionRule::Both, "both"),
-        }
-    }
-}
-
-/// Names of [`TimeProfile`].
-#[derive(Clone, Copy, ValueEnum)]
-enum Profile {
-    Delta,
-    Exponential,
-}
-
-impl Profile {
-    fn profile(self) -> (TimeProfile, &'static str) {
-        match self {
-            Profile::Delta => (TimeProfile::Delta, "delta"),
-            Profile::Exponential => (TimeProfile::Exponential, "exponential"),
-        }
-    }
+/// Reads the name of a distribution of times.
+fn time_profile() -> impl TypedValueParser<Value = TimeProfile> {
+    let names = PossibleValuesParser::new(TimeProfile::ALL.map(TimeProfile::name));
+    names.map(|name| TimeProfile::from_name(&name).unwrap_or_default())
 }
 
 /// The command with its task: a comparison, or else a simulation.
@@ -276,10 +255,10 @@ impl Simulation {
         let settings = RunSettings {
             seed: self.seed,
             event: self.event,
-            detection: self.detect.rule().0,
+            detection: self.detect,
             max_steps: self.max_steps,
             max_time: self.max_time,
-            wls_time_profile: self.wls_time_profile.profile().0,
+            wls_time_profile: self.wls_time_profile,
             threads: global.threads,
             cancel: interrupt::token(),
             ..RunSettings::new(range)
@@ -362,10 +341,10 @@ impl Simulation {
                 ("event", settings.event.to_string()),
                 ("source", debug_hash(source)),
                 ("photons", total.to_string()),
-                ("detect", self.detect.rule().1.to_owned()),
+                ("detect", self.detect.name().to_owned()),
                 ("max_steps", settings.max_steps.to_string()),
                 ("max_time", settings.max_time.to_string()),
-                ("wls_time_profile", self.wls_time_profile.profile().1.to_owned()),
+                ("wls_time_profile", self.wls_time_profile.name().to_owned()),
             ];
             self.part.part(&format!("photons {name}"), settings, total)
         };
@@ -475,7 +454,7 @@ impl Simulation {
         let simulator = self.device.choose_for_photons(detector, histories.is_some(), global.quiet)?;
         let is_drawn = self.map.is_some() || self.spectra.is_some();
         let mut report =
-            PhotonReport::new(detector, self.detect.rule().1, self.counts, self.sequences, is_drawn);
+            PhotonReport::new(detector, self.detect.name(), self.counts, self.sequences, is_drawn);
         let Range { start, end } = settings.photons;
         let bar = terminal::progress_bar(Some(end - start), Unit::Percent, global.quiet);
         let begin = Instant::now();

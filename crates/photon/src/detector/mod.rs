@@ -44,6 +44,27 @@ pub enum DetectionRule {
     Both,
 }
 
+impl DetectionRule {
+    /// All rules.
+    pub const ALL: [DetectionRule; 3] = [DetectionRule::Efficiency, DetectionRule::Volume, DetectionRule::Both];
+
+    /// The name in files, bindings and commands.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            DetectionRule::Efficiency => "efficiency",
+            DetectionRule::Volume => "volume",
+            DetectionRule::Both => "both",
+        }
+    }
+
+    /// The rule of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<DetectionRule> {
+        DetectionRule::ALL.into_iter().find(|rule| rule.name() == name)
+    }
+}
+
 /// A detector, ready for simulation.
 #[derive(Debug)]
 pub struct Detector {
