@@ -247,11 +247,30 @@ def test_meshes(model):
     again = rw.from_trimesh(mesh)
     a, b = rw.box(2).to_mesh(), rw.box(2).translate([1, 0, 0]).to_mesh()
     overlapping = rw.Mesh(np.concatenate([a.vertices, b.vertices]), np.concatenate([a.triangles, b.triangles + len(a.vertices)]))
-    with pytest.warns(UserWarning, match="the solid within the mesh is ambiguous .*overlapping pairs of triangles"):
+    with pytest.warns(UserWarning, match=r"may be another than was meant .*overlapping pairs of triangles.*rw\.union"):
         rw.from_trimesh(overlapping)
+    reversed_box = rw.Mesh(a.vertices, a.triangles[:, ::-1])
+    with pytest.warns(UserWarning, match=r"whatever the orientation of the triangles\.$"):
+        assert rw.from_trimesh(reversed_box).volume == pytest.approx(8)
     assert again.volume == pytest.approx(6, rel=2e-3) and again.contains([0, 0, 1.4]).all()
     with pytest.raises(rw.RayweaveError, match="unbounded"):
         rw.cylinder(1).to_mesh()
+
+
+def test_meshes_of_pyvista_become_solids():
+    class PolyData:
+        """A box whose faces are rectangles, with the attributes of a mesh of PyVista."""
+
+        points = np.array([[x, y, z] for x in (0, 1) for y in (0, 2) for z in (0, 3)], dtype=np.float32)
+
+        def triangulate(self):
+            corners = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+            triangles = [[3, a, *pair] for a, b, c, d in corners for pair in ((b, c), (c, d))]
+            made = PolyData()
+            made.faces = np.ravel(triangles)
+            return made
+
+    assert rw.from_trimesh(PolyData()).volume == pytest.approx(6)
 
 
 def test_properties_of_solids():

@@ -155,6 +155,11 @@ def test_data_sets_have_the_columns():
     assert light.radius.attrs == {"units": "mm"} and light.sizes == {"row": 2}
     maps = rw.thickness({"die": rw.box(2)}, view="front", size=(5, 3)).to_xarray()
     assert maps.lengths.dims == ("y", "x", "medium") and maps.lengths.sel(medium="die").max() == pytest.approx(2)
+    plate = rw.thickness({"plate": rw.box([4, 1, 2]).translate([1, 0, 0.5])}, view="front", size=(400, 300)).to_xarray()
+    inside = plate.lengths.sel(medium="plate") > 0.5
+    # the map is that of the view, whose centre is the centre of the model
+    assert [float(plate.x[inside.any("y")].min()), float(plate.y[inside.any("x")].max())] == pytest.approx([-2, 1], abs=0.03)
+    assert plate.x.attrs == {"units": "mm"} and plate.y[0] > plate.y[-1]
     assert rw.section(A, "z=0").to_xarray().area.values == pytest.approx(math.pi, rel=1e-3)
     assert rw.check({"a": A, "b": A.translate([0.5, 0, 0])}, cells=8).to_xarray().sizes["row"] >= 1
     assert rw.measure(B).to_xarray().sizes["row"] == 1

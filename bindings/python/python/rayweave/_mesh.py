@@ -142,7 +142,7 @@ class Mesh:
 
 
 def from_trimesh(source: Any) -> Solid:
-    """The solid within a closed mesh of trimesh, or of any object with `vertices` (V, 3) and `faces` (T, 3).
+    """The solid within a closed mesh of trimesh or PyVista, or of any object with `vertices` (V, 3) and `faces` (T, 3).
 
     A point is inside if a ray from it crosses the mesh an odd number of times. A mesh whose triangles cross each other, such as two
     overlapping parts in one mesh, gives a warning: `rw.union(rw.from_trimesh(part) for part in mesh.split())` is the union of the parts.
@@ -153,22 +153,31 @@ def from_trimesh(source: Any) -> Solid:
     >>> solid.contains([0.5, 0.5, 0.5])
     array([ True])
     """
+    vertices, faces = _vertices_and_faces(source)
+    solid = mesh(vertices, faces)
+    shells, *_, summary, is_sound = Mesh(np.asarray(vertices, np.float64), np.asarray(faces, np.uint32))._defects()
+    if not is_sound:
+        advice = " For the union of parts that overlap, use rw.union(rw.from_trimesh(part) for part in mesh.split())."
+        warnings.warn(
+            f"the solid within the mesh may be another than was meant ({summary}): a point is inside if a ray from it crosses the mesh "
+            f"an odd number of times, whatever the orientation of the triangles.{advice if shells > 1 else ''}",
+            stacklevel=2,
+        )
+    return solid
+
+
+def _vertices_and_faces(source: Any) -> tuple[ArrayLike, ArrayLike]:
+    """The vertices (V, 3) and the triangles (T, 3) of a mesh of another package."""
+    if hasattr(source, "points") and hasattr(source, "triangulate"):
+        # PolyData of PyVista; each of its faces is preceded by the number of its corners
+        triangles = source.triangulate()
+        return triangles.points, np.reshape(triangles.faces, (-1, 4))[:, 1:]
     for name in ("vertices", "faces"):
         if not hasattr(source, name):
             kind = type(source).__name__
             hint = " Use one solid for each mesh of source.dump()." if hasattr(source, "geometry") else ""
             raise TypeError(f"source is of type {kind}, without {name}: it must be a mesh with vertices (V, 3) and faces (T, 3).{hint}")
-    vertices: ArrayLike = source.vertices
-    faces: ArrayLike = source.faces
-    solid = mesh(vertices, faces)
-    *_, summary, is_sound = Mesh(np.asarray(vertices, np.float64), np.asarray(faces, np.uint32))._defects()
-    if not is_sound:
-        warnings.warn(
-            f"the solid within the mesh is ambiguous ({summary}): a point is inside if a ray from it crosses the mesh an odd number of "
-            "times. For the union of parts that overlap, use rw.union(rw.from_trimesh(part) for part in mesh.split()).",
-            stacklevel=2,
-        )
-    return solid
+    return source.vertices, source.faces
 
 
 def load_mesh(

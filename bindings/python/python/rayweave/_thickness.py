@@ -85,14 +85,23 @@ class Thickness:
         return self._rows().to_arrow()
 
     def to_xarray(self) -> Any:
-        """The maps as an xarray Dataset: `lengths` (y, x, medium), `radiograph` (y, x) and `attenuation` (medium)."""
+        """The maps as an xarray Dataset: `lengths` (y, x, medium), `radiograph` and `line_integral` (y, x), `attenuation` (medium).
+
+        With parallel rays, `x` and `y` are the centres of the pixels about that of the map, in `unit`, y upwards."""
         xarray = package("xarray", "its datasets")
         variables = {
             "lengths": (("y", "x", "medium"), self.lengths.copy(), {"units": self.unit}),
             "radiograph": (("y", "x"), self.radiograph.copy()),
+            "line_integral": (("y", "x"), self.line_integral.copy()),
             "attenuation": (("medium",), self.attenuation.copy(), {"units": f"1/{self.unit}"}),
         }
-        return xarray.Dataset(variables, {"medium": list(self.media)})
+        coordinates: dict[str, Any] = {"medium": list(self.media)}
+        if self.pixel_size is not None:
+            height, width = self.radiograph.shape
+            x = self.pixel_size * (np.arange(width) - 0.5 * (width - 1))
+            y = self.pixel_size * (0.5 * (height - 1) - np.arange(height))
+            coordinates |= {"x": ("x", x, {"units": self.unit}), "y": ("y", y, {"units": self.unit})}
+        return xarray.Dataset(variables, coordinates)
 
     def _rows(self) -> Rows:
         y, x = np.indices(self.radiograph.shape)
