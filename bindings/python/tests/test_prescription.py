@@ -786,6 +786,33 @@ def test_the_optimiser_finds_the_lens_of_best_form() -> None:
     assert found.after < found.before and found.has_converged
 
 
+def test_an_optimised_index_stays_in_the_lens() -> None:
+    lens = Prescription([Surface(50, 5, "N-BK7"), Surface(-50, 46)], entrance_pupil_diameter=10)
+    best = optics.optimise(lens, ["index 1"], [optics.goal("focal length", 60)]).lens
+    # the lensmaker's equation of a thick lens: 1/f = (n - 1) (1/R1 - 1/R2 + (n - 1) d / (n R1 R2))
+    n = best.surfaces[0].behind.index(D_NM)
+    assert 1 / ((n - 1) * (2 / 50 - (n - 1) * 5 / (n * 2500))) == pytest.approx(60, rel=1e-9)
+    assert best != lens and "N-BK7 -0.09" in str(best)
+    for changed in (best.replace(fields=[0, 5]), best.with_surface(2, thickness=50)):
+        assert changed.first_order().focal_length == pytest.approx(60, rel=1e-9)
+    assert best.system().elements
+    # a file has a model glass with the same index and Abbe number at the d line
+    assert Prescription.from_zmx(best.to_zmx()).first_order().focal_length == pytest.approx(60, rel=1e-5)
+
+
+def test_violated_bounds_are_a_warning() -> None:
+    lens = Prescription([Surface(50, 5, "N-BK7"), Surface(-50, 46)], entrance_pupil_diameter=10)
+    goals = [optics.goal("focal length", 60), optics.goal("curvature 2", at_least=-0.01)]
+    with pytest.warns(UserWarning, match=r"violates bounds: curvature 2 is -0.01\d+ \(at least -0.01, weight 1\)\. .*increase its weight"):
+        optics.optimise(lens, ["curvature 2"], goals)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        optics.optimise(lens, ["curvature 2"], [optics.goal("focal length", 60), optics.goal("curvature 2", at_least=-0.02)])
+    far = optics.goal("edge", at_least=1, surface=1, height=60)
+    with pytest.raises(RayweaveError, match="goal 2 of 2 has no value, because .* a surface ends before its height"):
+        optics.optimise(lens, ["curvature 2"], [optics.goal("total track", 50), far])
+
+
 def test_refusals_of_goals() -> None:
     lens = paraboloid()
     with pytest.raises(RayweaveError, match="the goal 'spot' lacks field: it takes field."):

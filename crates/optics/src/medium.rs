@@ -82,6 +82,21 @@ impl Medium {
         Medium { gradient: Some(Arc::new(gradient)), ..self }
     }
 
+    /// The medium with an index that is larger by the same amount at all wavelengths, where a gradient is 1; see [`Glass::shifted`].
+    pub fn shifted(&self, by: f64) -> Medium {
+        let Medium { name, index, gradient } = self.clone();
+        let (name, index) = match index {
+            Law::Glass(glass) => {
+                let glass = glass.shifted(by);
+                (glass.name().into(), Law::Glass(glass))
+            }
+            Law::Constant(index) => (name, Law::Constant(index + by)),
+            Law::Dispersive(_) if by == 0.0 => (name, index),
+            Law::Dispersive(law) => (name, Law::Dispersive(Arc::new(Shifted { law, by }))),
+        };
+        Medium { name, index, gradient }
+    }
+
     /// The gradient of the index, if it varies in space.
     pub fn gradient(&self) -> Option<&Gradient> {
         self.gradient.as_deref()
@@ -157,6 +172,23 @@ impl Medium {
     }
 }
 
+/// A law plus the same amount at all wavelengths.
+#[derive(Debug)]
+struct Shifted {
+    law: Arc<dyn Index>,
+    by: f64,
+}
+
+impl Index for Shifted {
+    fn at(&self, wavelength_nm: f64) -> Complex64 {
+        self.law.at(wavelength_nm) + self.by
+    }
+
+    fn range_nm(&self) -> [f64; 2] {
+        self.law.range_nm()
+    }
+}
+
 /// [`Medium::absorption_per_nm`] from the index.
 pub(crate) fn absorption_per_nm(index: Complex64, wavelength_nm: f64) -> f64 {
     4.0 * std::f64::consts::PI * index.im / wavelength_nm
@@ -188,6 +220,20 @@ mod tests {
         assert_ne!(glass, Medium::constant("glass", 1.6, 0.0).unwrap());
         assert_eq!(Medium::glass("N-BK7").unwrap(), Medium::glass("n bk7").unwrap());
         assert_ne!(Medium::glass("N-BK7").unwrap(), Medium::glass("N-SF5").unwrap());
+    }
+
+    #[test]
+    fn shifted_media_are_what_they_say() {
+        let glass = Medium::glass("N-BK7").unwrap();
+        let shifted = glass.shifted(0.125).shifted(-0.25);
+        assert_eq!(shifted.name(), "N-BK7 -0.12500");
+        assert_eq!(shifted.index(550.0).re, glass.index(550.0).re - 0.125);
+        assert_eq!((shifted.range_nm(), shifted.index(550.0).im), (glass.range_nm(), glass.index(550.0).im));
+        assert_ne!(shifted, glass);
+        assert_eq!((shifted.clone(), glass.clone()), (glass.shifted(-0.125), glass.shifted(0.0)));
+        let rod = Medium::constant("rod", 1.5, 0.0).unwrap().graded(Gradient::selfoc(0.1).unwrap());
+        let off_axis = rod.index_at(550.0, Vec3::X) / 1.5;
+        assert_eq!(rod.shifted(0.5).index_at(550.0, Vec3::X), 2.0 * off_axis);
     }
 
     #[test]

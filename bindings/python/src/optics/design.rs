@@ -94,11 +94,12 @@ pub fn tolerance<'py>(
 }
 
 /// Operands of one number with their names.
-const OPERANDS: [(&str, Operand); 11] = [
+const OPERANDS: [(&str, Operand); 12] = [
     ("focal length", Operand::FocalLength),
     ("back focal distance", Operand::BackFocalDistance),
     ("defocus", Operand::Defocus),
     ("magnification", Operand::Magnification),
+    ("total track", Operand::TotalTrack),
     ("spherical", Operand::Seidel(SeidelTerm::Spherical)),
     ("coma", Operand::Seidel(SeidelTerm::Coma)),
     ("astigmatism", Operand::Seidel(SeidelTerm::Astigmatism)),
@@ -132,7 +133,10 @@ impl GoalOf {
             }
             ("distortion", &[field]) => Operand::Distortion { field: whole("field", field)? },
             ("edge", &[surface, height]) => {
-                Operand::EdgeThickness { surface: whole("surface", surface)?, height }
+                Operand::EdgeThickness { surface: whole("surface", surface)?, height: Some(height) }
+            }
+            ("edge", &[surface]) => {
+                Operand::EdgeThickness { surface: whole("surface", surface)?, height: None }
             }
             (name, []) => match name.parse() {
                 Ok(parameter) => Operand::Value(parameter),

@@ -103,8 +103,9 @@ fn unknown_choice(argument: &str, value: &str, names: &[&str]) -> PyErr {
 
 impl PhotonSettings {
     fn settings(&self, cancel: &Cancel) -> PyResult<RunSettings> {
-        let detection = DetectionRule::from_name(&self.detect)
-            .ok_or_else(|| unknown_choice("detect", &self.detect, &DetectionRule::ALL.map(DetectionRule::name)))?;
+        let detection = DetectionRule::from_name(&self.detect).ok_or_else(|| {
+            unknown_choice("detect", &self.detect, &DetectionRule::ALL.map(DetectionRule::name))
+        })?;
         let wls_time_profile = TimeProfile::from_name(&self.wls_time_profile).ok_or_else(|| {
             unknown_choice(
                 "wls_time_profile",

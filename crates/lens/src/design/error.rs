@@ -40,8 +40,15 @@ pub enum DesignError {
     #[error("the results of the trials cannot be kept: {0}. Run fewer trials.")]
     Memory(#[from] Shortage),
     /// The merit function has no finite value at the start.
-    #[error("the search cannot begin: {0}")]
-    NoStart(String),
+    #[error(
+        "the search cannot begin: goal {goal} of {goals} has no value, because a ray that it needs does not arrive, or because a surface ends before its height."
+    )]
+    NoStart {
+        /// The number of the goal, counted from 1.
+        goal: usize,
+        /// The number of goals.
+        goals: usize,
+    },
     /// An error of the prescription.
     #[error(transparent)]
     Prescription(#[from] PrescriptionError),

@@ -73,13 +73,16 @@ pub enum Operand {
     },
     /// The value of a parameter.
     Value(DesignParameter),
+    /// The distance from the first vertex to the image along the axis.
+    TotalTrack,
     /// The distance along z from a surface to the next one at a height off the axis: the edge thickness of a
     /// lens.
     EdgeThickness {
         /// The surface, counted from 1.
         surface: usize,
-        /// The distance from the axis.
-        height: f64,
+        /// The distance from the axis; `None` for the larger clear semi-diameter of the two surfaces, which follows the rays
+        /// of the fields while the prescription changes.
+        height: Option<f64>,
     },
 }
 
@@ -230,6 +233,7 @@ fn number(operand: Operand, variant: &Variant) -> Result<f64, DesignError> {
         Operand::FocalLength => first_order()?.focal_length,
         Operand::BackFocalDistance => first_order()?.back_focal_distance,
         Operand::Magnification => first_order()?.magnification,
+        Operand::TotalTrack => lens.surfaces.iter().map(|surface| surface.thickness).sum(),
         Operand::Defocus => {
             let image = lens.surfaces.last().map_or(0.0, |surface| surface.thickness);
             first_order()?.image_distance - image
@@ -243,12 +247,20 @@ fn number(operand: Operand, variant: &Variant) -> Result<f64, DesignError> {
 }
 
 /// The distance between two surfaces at a height along y; NaN beyond the end of one of them.
-fn edge(variant: &Variant, surface: usize, height: f64) -> Result<f64, DesignError> {
+fn edge(variant: &Variant, surface: usize, height: Option<f64>) -> Result<f64, DesignError> {
     let lens = &variant.lens;
     let count = lens.surfaces.len();
     let no_such = || PrescriptionError::NoSuch { what: "surface", number: surface, first: 1, last: count };
     let front = surface.checked_sub(1).and_then(|k| lens.surfaces.get(k)).ok_or_else(no_such)?;
     let back = lens.surfaces.get(surface);
+    let height = match height {
+        Some(height) => height,
+        None => {
+            let radii = lens.semi_diameters(&variant.resolved)?;
+            // the image is no edge of a lens: its own size does not count
+            back.map_or(radii[surface - 1], |_| radii[surface - 1].max(radii[surface]))
+        }
+    };
     let image = SurfaceForm::from(Asphere::conic(lens.image.radius, lens.image.conic));
     let sag = |form: SurfaceForm| form.sag([0.0, height]).unwrap_or(f64::NAN);
     Ok(front.thickness + sag(back.map_or(image, |back| back.form())) - sag(front.form()))

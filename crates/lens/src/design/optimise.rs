@@ -100,8 +100,10 @@ impl<'a> Optimiser<'a> {
     /// no goals.
     pub fn run(&self) -> Result<Optimum, DesignError> {
         let task = self.task()?;
-        let no_start = || DesignError::NoStart("a ray does not arrive, or a number is not finite".to_owned());
-        let start = task.values_at(&task.at)?.ok_or_else(no_start)?;
+        let start = match task.values_at(&task.at)? {
+            Some(values) => values,
+            None => return Err(task.no_start()?),
+        };
         let before = task.residuals_of(&start).norm();
         let task = Task { penalty: PENALTY * before.max(f64::MIN_POSITIVE), ..task };
         let (task, report) = LevenbergMarquardt::new().with_patience(self.evaluation_limit).minimize(task);
@@ -198,6 +200,19 @@ impl Task<'_> {
             }
         }
         Ok(Some(all))
+    }
+
+    /// The error about the first goal without values at the start.
+    fn no_start(&self) -> Result<DesignError, DesignError> {
+        let variant = self.variant(&self.at)?;
+        let mut number = 1;
+        for goal in &self.optimiser.goals {
+            if goal.values(&variant, &self.pupil)?.is_none() {
+                break;
+            }
+            number += 1;
+        }
+        Ok(DesignError::NoStart { goal: number, goals: self.optimiser.goals.len() })
     }
 
     /// The goal of each value.

@@ -2,11 +2,9 @@
 
 use super::{DesignError, DesignParameter, Quantity};
 use crate::prescription::{Behind, Prescription, PrescriptionError, Surface};
-use num_complex::Complex64;
+use rayweave_optics::Medium;
 use rayweave_optics::glass::GlassError;
-use rayweave_optics::{Index, Medium};
 use std::str::FromStr;
-use std::sync::Arc;
 
 impl FromStr for DesignParameter {
     type Err = DesignError;
@@ -82,7 +80,11 @@ impl DesignParameter {
             }
             Quantity::Index => {
                 let medium = self.medium(surface)?;
-                surface.behind = Behind::Medium(shifted(medium, change));
+                surface.behind = match surface.behind {
+                    Behind::Index(index) => Behind::Index(index + change),
+                    _ if change == 0.0 => return Ok(()),
+                    _ => Behind::Medium(medium.shifted(change)),
+                };
             }
             _ => {}
         }
@@ -94,31 +96,6 @@ impl DesignParameter {
 fn term(surface: &mut Surface, power: u8) -> Option<&mut f64> {
     let place = usize::from(power.checked_sub(1)?) / 2;
     if power.is_multiple_of(2) { surface.even.get_mut(place) } else { surface.odd.get_mut(place) }
-}
-
-/// A medium whose index is increased by the same amount at all wavelengths.
-#[derive(Debug)]
-struct Shifted {
-    medium: Medium,
-    by: f64,
-}
-
-impl Index for Shifted {
-    fn at(&self, wavelength_nm: f64) -> Complex64 {
-        self.medium.index(wavelength_nm) + self.by
-    }
-
-    fn range_nm(&self) -> [f64; 2] {
-        self.medium.range_nm()
-    }
-}
-
-fn shifted(medium: Medium, by: f64) -> Medium {
-    if by == 0.0 {
-        return medium;
-    }
-    let name = medium.name().to_owned();
-    Medium::dispersive(&name, Arc::new(Shifted { medium, by }))
 }
 
 #[cfg(test)]

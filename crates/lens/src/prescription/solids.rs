@@ -82,7 +82,7 @@ impl Prescription {
     /// The clear semi-diameters: the stated ones, otherwise the extent of the real rays of all fields and
     /// wavelengths through centre and rim of the entrance pupil and of the stop. The last is that of the
     /// image.
-    fn semi_diameters(&self, resolved: &Resolved) -> Result<Vec<f64>, PrescriptionError> {
+    pub(crate) fn semi_diameters(&self, resolved: &Resolved) -> Result<Vec<f64>, PrescriptionError> {
         let mut needed = vec![0.0_f64; resolved.vertices.len()];
         let mut lost = None;
         for field in 0..self.fields.len() {

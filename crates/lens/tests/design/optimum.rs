@@ -163,7 +163,7 @@ fn bounds_hold() {
     // a biconvex lens of a given power, as thin as its edge allows
     let surfaces = vec![Surface::new(50.0, 12.0, Behind::Index(1.5)), Surface::new(-50.0, 45.0, Behind::Air)];
     let start = Prescription::new(surfaces).entrance_pupil_diameter(20.0);
-    let edge = Operand::EdgeThickness { surface: 1, height: 12.0 };
+    let edge = Operand::EdgeThickness { surface: 1, height: Some(12.0) };
     let found = Optimiser::new(&start)
         .vary(parameter("thickness 1"))
         .goal(Goal::equal(Operand::Value(parameter("thickness 1")), 0.0).weight(1e-3))
@@ -181,6 +181,51 @@ fn bounds_hold() {
         .run()
         .unwrap();
     assert_eq!((idle.lens.surfaces[0].thickness, idle.before, idle.after), (12.0, 0.0, 0.0));
+}
+
+#[test]
+fn the_edge_at_the_clear_semi_diameter_follows_the_rays() {
+    // the beam of a distant point on the axis fills 20 mm of the front; the back is smaller
+    let surfaces = vec![Surface::new(50.0, 12.0, Behind::Index(1.5)), Surface::new(-50.0, 45.0, Behind::Air)];
+    let start = Prescription::new(surfaces).entrance_pupil_diameter(20.0);
+    let edge = Operand::EdgeThickness { surface: 1, height: None };
+    let found = Optimiser::new(&start)
+        .vary(parameter("curvature 1"))
+        .goal(Goal::equal(edge, 9.0))
+        .goal(Goal::equal(Operand::TotalTrack, 57.0))
+        .run()
+        .unwrap();
+    let clear = found.lens.assembly().unwrap().semi_diameters;
+    let height = clear[0].max(clear[1]);
+    assert!(height > 10.0 && height < 10.5, "{height}");
+    let sag = |radius: f64| radius - (radius * radius - height * height).sqrt();
+    near(12.0 - sag(50.0) - sag(found.lens.surfaces[0].radius), 9.0, 1e-9);
+    // the track did not change
+    assert_eq!(found.goals[1].values, [57.0; 2]);
+}
+
+#[test]
+fn an_optimised_index_is_that_of_the_glass() {
+    // the lensmaker's equation of a thin lens: 1/f = (n - 1) (1/R1 - 1/R2)
+    for behind in
+        [Behind::Glass("N-BK7".to_owned()), Behind::Abbe { n_d: 1.6, v_d: 60.0 }, Behind::Index(1.5)]
+    {
+        let surfaces = vec![Surface::new(50.0, 0.0, behind.clone()), Surface::new(-50.0, 46.0, Behind::Air)];
+        let start = Prescription::new(surfaces).entrance_pupil_diameter(10.0);
+        let found = Optimiser::new(&start)
+            .vary(parameter("index 1"))
+            .goal(Goal::equal(Operand::FocalLength, 60.0))
+            .run()
+            .unwrap();
+        near(found.values[0].1, 1.0 + 25.0 / 60.0, 1e-9);
+        let medium = found.lens.surfaces[0].behind.medium().unwrap().unwrap();
+        let before = behind.medium().unwrap().unwrap();
+        let change = |nm: f64| medium.index(nm).re - before.index(nm).re;
+        near(change(450.0), change(650.0), 1e-15);
+        assert_ne!(found.lens, start);
+        let is_named = medium.as_constant().is_some() || medium.as_glass().is_some();
+        assert!(is_named && medium.name() != before.name(), "{medium:?}");
+    }
 }
 
 #[test]

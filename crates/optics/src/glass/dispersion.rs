@@ -94,6 +94,13 @@ pub enum Dispersion {
     },
     /// Measured indices, with linear interpolation.
     Tabulated(Table),
+    /// Another law plus the same amount at all wavelengths.
+    Shifted {
+        /// The other law.
+        law: Box<Dispersion>,
+        /// The amount.
+        by: f64,
+    },
 }
 
 const AGF: &str = "an AGF catalogue";
@@ -373,6 +380,7 @@ impl Dispersion {
             Dispersion::Exotic(coefficients) => exotic(coefficients, um),
             Dispersion::Air { dry, vapour } => refractivity::air_index(*dry, *vapour, square),
             Dispersion::Tabulated(table) => table.at(wavelength_nm),
+            Dispersion::Shifted { law, by } => law.value(wavelength_nm) + by,
         }
     }
 }

@@ -166,11 +166,36 @@ impl Glass {
         self.with_extinction(Table::new(pairs)?)
     }
 
+    /// The material with an index that is larger by the same amount at all wavelengths. The amount follows its name, such as
+    /// `N-BK7 -0.01000`; without an amount it is the same material.
+    pub fn shifted(&self, by: f64) -> Glass {
+        let (law, before) = match &self.data.dispersion {
+            Dispersion::Shifted { law, by } => (law.clone(), *by),
+            other => (Box::new(other.clone()), 0.0),
+        };
+        if by == 0.0 {
+            return self.clone();
+        }
+        let name = self.data.name.strip_suffix(&shift_text(before)).unwrap_or(&self.data.name);
+        let (name, by) = (format!("{name}{}", shift_text(before + by)), before + by);
+        self.clone().changed(|data| {
+            data.name = name;
+            data.dispersion = Dispersion::Shifted { law, by };
+            data.aliases = Vec::new();
+            data.published = None;
+        })
+    }
+
     /// The material extrapolated beyond its range: by its formula where that has a value, or by the
     /// value at the nearest end of its table. The accuracy is unknown.
     pub fn extrapolated(&self) -> Glass {
         Glass { extrapolated: true, ..self.clone() }
     }
+}
+
+/// The end of the name of a material whose index is shifted.
+fn shift_text(by: f64) -> String {
+    format!(" {by:+.5}")
 }
 
 /// The transmittance that replaces a 0 in a table.

@@ -46,7 +46,8 @@ pub enum DetectionRule {
 
 impl DetectionRule {
     /// All rules.
-    pub const ALL: [DetectionRule; 3] = [DetectionRule::Efficiency, DetectionRule::Volume, DetectionRule::Both];
+    pub const ALL: [DetectionRule; 3] =
+        [DetectionRule::Efficiency, DetectionRule::Volume, DetectionRule::Both];
 
     /// The name in files, bindings and commands.
     #[must_use]

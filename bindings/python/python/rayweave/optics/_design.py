@@ -239,6 +239,7 @@ _NUMBER_OPERANDS = (
     "back focal distance",
     "defocus",
     "magnification",
+    "total track",
     "spherical",
     "coma",
     "astigmatism",
@@ -262,6 +263,9 @@ _OPERAND_WORDS = {
     "axial color": "axial colour",
     "lateral color": "lateral colour",
     "edge thickness": "edge",
+    "totr": "total track",
+    "total_track": "total track",
+    "ttl": "total track",
 }
 
 
@@ -280,9 +284,10 @@ def goal(
     """A goal of an optimisation; the default target is 0.
 
     Operands of one number: "focal length", "back focal distance", "defocus" (from the image to the paraxial image),
-    "magnification"; the Seidel sums "spherical", "coma", "astigmatism", "petzval", "distortion", "axial colour",
+    "magnification", "total track" (from the first vertex to the image); the Seidel sums "spherical", "coma", "astigmatism", "petzval", "distortion", "axial colour",
     "lateral colour", which are third-order aberrations of the last field; a parameter by its name, such as "thickness
-    1"; "edge", the distance from a `surface` to the next one at a `height` from the axis. "distortion" with a `field`
+    1"; "edge", the distance from a `surface` to the next one at a `height` from the axis, by default at the larger one of their
+    clear semi-diameters, which follow the rays while the lens changes. "distortion" with a `field`
     is another operand: the relative distortion of its real chief ray at the primary wavelength, as in
     `Prescription.distortion`, and 0 on the axis. Operands of all rays of a `field`: "spot", whose sum of squares is
     the square of the RMS radius, and "wavefront" at a wavelength, whose sum of squares is the square of the RMS in
@@ -303,7 +308,7 @@ def goal(
     if any(np.isnan(value) for _, value in stated):
         raise _core.RayweaveError(f"the goal {operand!r} has the value NaN: it must be a number.")
     if len(stated) > 1:
-        raise _core.RayweaveError(f"the goal {operand!r} has {len(stated)} values: it must have at most one of equal, at_least and at_most.")
+        raise _core.RayweaveError(f"the goal {operand!r} has {len(stated)} values: it must have at most one of equal, at_least and at_most. Use two goals.")
     if operand not in (*_RAY_OPERANDS, "edge", *_NUMBER_OPERANDS) and not _PARAMETER.fullmatch(operand):
         known = [*_NUMBER_OPERANDS, *_RAY_OPERANDS, "edge"]
         near = get_close_matches(operand, [*known, *_QUANTITIES], 1)
@@ -317,18 +322,21 @@ def goal(
             f'such as "thickness 1": {quantities}.{hint}'
         )
     places = {"field": field, "wavelength_nm": wavelength_nm, "surface": surface, "height": height}
-    names: tuple[str, ...] = ("surface", "height") if operand == "edge" else ()
+    names: tuple[str, ...] = ()
+    if operand == "edge":
+        names = ("surface",) if height is None else ("surface", "height")
     if operand == "distortion" and field is not None:
         names = ("field",)
     if operand in _RAY_OPERANDS:
         # the spot of all wavelengths needs none
         names = ("field",) if operand == "spot" and wavelength_nm is None else ("field", "wavelength_nm")
     missing = [name for name in names if places[name] is None]
-    extra = [name for name, value in places.items() if value is not None and name not in names]
+    allowed = ("surface", "height") if operand == "edge" else names
+    extra = [name for name, value in places.items() if value is not None and name not in allowed]
     if missing:
         raise _core.RayweaveError(f"the goal {operand!r} lacks {' and '.join(missing)}: it takes {' and '.join(names)}.")
     if extra:
-        takes = " and ".join(names) if names else "no field, wavelength_nm, surface or height"
+        takes = " and ".join(allowed) if allowed else "no field, wavelength_nm, surface or height"
         raise _core.RayweaveError(f"the goal {operand!r} has {' and '.join(extra)}: it takes {takes}.")
     numbers = tuple(real(places[name], name) for name in names)
     return Goal(operand, numbers, *stated[0], real(weight, "weight"))
@@ -439,7 +447,8 @@ def optimise(
     near the start, not the global one. Spots and wavefronts are means over the pupil from 2 rings (rings + 2) rays
     (`pupil_quadrature`), which exclude the ray through the rim. The search ends after `patience * (number of parameters + 1)` evaluations of the goals,
     not counting those for derivatives. The search follows rays from surface to surface, also where surfaces cross: a
-    `UserWarning` states that the result cannot be built.
+    `UserWarning` states that the result cannot be built. Bounds are goals, too: a `UserWarning` names those that the result
+    violates by more than 1 %. They need a larger weight.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -456,7 +465,23 @@ def optimise(
     found = _core.optimise(_lens(lens), names, rows, rings=count, patience=whole(patience, "patience", least=1))
     best = Optimum._of(*found, given)
     _warn_of_crossing(lens, best.lens)
+    _warn_of_bounds(given, best.goals)
     return best
+
+
+def _warn_of_bounds(goals: list[Goal], table: GoalTable) -> None:
+    """Warns of bounds that a result violates by more than 1 %, and by more than rounding."""
+    violated = []
+    for goal, value in zip(goals, table["value_after"], strict=True):
+        excess = {"least": goal.value - value, "most": value - goal.value}.get(goal.target, 0.0)
+        if excess > max(0.01 * abs(goal.value), 1e-9):
+            violated.append(f"{goal._name()} is {value:.4g} (at {goal.target} {goal.value:.4g}, weight {goal.weight:g})")
+    if violated:
+        warnings.warn(
+            f"the optimised lens violates bounds: {'; '.join(violated)}. A bound competes with the other goals by its weighted "
+            "violation, in the unit of its operand: increase its weight.",
+            stacklevel=3,
+        )
 
 
 def _warn_of_crossing(start: Prescription, best: Prescription) -> None:
@@ -470,4 +495,4 @@ def _warn_of_crossing(start: Prescription, best: Prescription) -> None:
         except _core.RayweaveError:
             return
         hint = 'Add bounds, such as goal("edge", at_least=1, surface=1, height=10) or goal("thickness 2", at_least=0.5).'
-        warnings.warn(f"the optimised lens cannot be built: {problem} {hint}", stacklevel=3)
+        warnings.warn(f"the optimised lens cannot be built: {str(problem).rstrip('.')}. {hint}", stacklevel=3)

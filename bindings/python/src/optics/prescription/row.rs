@@ -44,7 +44,10 @@ fn material_behind<'py>(py: Python<'py>, behind: &Behind) -> PyResult<Bound<'py,
         Behind::Medium(medium) => match (medium.as_glass(), medium.as_constant()) {
             (Some(glass), _) => PyGlass(glass.clone()).into_bound_py_any(py),
             (None, Some(index)) => index.re.into_bound_py_any(py),
-            (None, None) => medium.name().into_bound_py_any(py),
+            (None, None) => Err(bad_value(format!(
+                "{}: a law of dispersion has no name in Python. Use a glass or an index.",
+                medium.name()
+            ))),
         },
     }
 }
