@@ -1,5 +1,6 @@
 """Optical photons in detectors: closed forms, arrays, files, histories, errors."""
 
+import json
 import math
 import pickle
 import re
@@ -125,7 +126,7 @@ def test_a_source_without_light_is_an_error(bar):
             bar.stream(rp.point(place, 550), n=10)
 
 
-def test_sensors_have_equal_numbers_in_all_runs():
+def test_sensors_have_equal_numbers_in_all_runs(tmp_path):
     placed = '<physvol name="diode"><volumeref ref="Diode"/><position name="p" z="50.5" unit="mm"/></physvol>'
     low = '<physvol name="low"><volumeref ref="Diode"/><position name="q" z="-50.5" unit="mm"/></physvol>'
     dark = '<physvol name="dark"><volumeref ref="Diode"/><position name="r" z="80" unit="mm"/></physvol>'
@@ -142,6 +143,17 @@ def test_sensors_have_equal_numbers_in_all_runs():
         assert ((run.hits["sensor"] == 0) == (run.hits.position[:, 2] > 0)).all()
     whole = detector.simulate(from_middle(), n=300, seed=3).hits
     assert np.array_equal(whole["sensor"], np.concatenate([run.hits["sensor"] for run in runs]))
+    # in files as well, whichever sensor has the first hit
+    for number, run in enumerate(runs):
+        run.hits.save(tmp_path / f"{number}.npy")
+        assert np.array_equal(np.load(tmp_path / f"{number}.npy")["sensor"], run.hits["sensor"])
+        assert json.loads((tmp_path / f"{number}.names.json").read_text())["sensor"] == paths
+    assert f"{whole.counts()[paths[1]]} hits" in whole.plot_spectra(sensor=1).svg
+    assert whole.plot_spectra(sensor="Diode[1]").svg == whole.plot_spectra(sensor=1).svg
+    with pytest.raises(KeyError, match="no sensor 'Diode'.*Did you mean"):
+        whole.plot_spectra(sensor="Diode")
+    with pytest.raises(IndexError, match="there are 3 sensors"):
+        whole.plot_spectra(sensor=3)
     counts = whole.counts()
     assert list(counts) == paths and counts["Diode[2]"] == 0 and sum(counts.values()) == whole.rows
 

@@ -5,7 +5,8 @@ use crate::photon::Photon;
 use crate::property::wavelength_nm;
 use crate::volume::VolumePaths;
 use rayweave_model::Face;
-use rayweave_table::{Chunk, Column, DType, Schema, TableError, Values};
+use rayweave_table::{Chunk, Column, DType, Schema, TableError, TableWriter, Values};
+use std::path::Path;
 use std::sync::Arc;
 
 /// The genstep of photons of other sources.
@@ -176,6 +177,18 @@ impl Hits {
         columns.extend(self.genstep.iter().cloned().map(Values::from));
         Chunk::new(columns)
     }
+}
+
+/// Creates a table of hits with the columns of [`hit_schema`]. In NPY, the file of names lists the sensors of the detector in their
+/// order ([`Detector::sensor_paths`]), so that `sensor` has the same numbers in all tables.
+///
+/// # Errors
+///
+/// Those of [`TableWriter::create`].
+pub fn hit_table(path: &Path, detector: &Detector, has_gensteps: bool) -> Result<TableWriter, TableError> {
+    let mut table = TableWriter::create(path, &hit_schema(has_gensteps)?)?;
+    table.list_texts("sensor", detector.sensor_paths().iter().map(|(sensor, _)| sensor.as_str()));
+    Ok(table)
 }
 
 /// The columns of a table of hits: `event`, `photon`; `x`, `y`, `z` in mm; `time` in ns; the direction `dx`, `dy`, `dz`; the

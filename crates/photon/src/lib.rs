@@ -60,7 +60,7 @@ pub use genstep::{
     EmissionProcess, Genstep, Gensteps, cerenkov_yield, from_geant4, from_opticks, photons_from_opticks,
 };
 pub use history::{Histories, HistoryOptions, Process, Sequence, StepRow, sequence_text};
-pub use hits::{Hits, hit_schema};
+pub use hits::{Hits, hit_schema, hit_table};
 pub use lint::{LintFinding, lint};
 pub use material::{
     Compressibility, Mie, OpticalMaterial, ScintillationComponent, WavelengthShifter, rayleigh_length,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::format::{self, Sink};
-use crate::{Chunk, Part, Schema, TableError};
+use crate::{Chunk, DType, Part, Schema, TableError};
 use rayweave_error::Message;
 
 /// Writes a table chunk by chunk, in memory that does not depend on the number of rows, except that NPY files need the
@@ -16,7 +16,8 @@ use rayweave_error::Message;
 ///   standard output.
 /// - `.npy`: a packed one-dimensional structured array, little endian, with indices of names and of texts as `<u4`
 ///   ([`NO_NAME`](crate::NO_NAME) is 4294967295). If there are columns of names or of texts, `HITS.names.json` in the
-///   folder of `HITS.npy` maps each column to its list; texts are in the order in which they first occur.
+///   folder of `HITS.npy` maps each column to its list; texts are in the order in which they first occur, behind
+///   those of [`list_texts`](Self::list_texts).
 /// - `.parquet`: row groups of about 100,000 rows, with names as text and units in the file metadata (`unit.COLUMN`).
 ///   Requires the cargo feature `parquet`.
 ///
@@ -56,6 +57,17 @@ impl TableWriter {
     /// The number of rows written so far.
     pub fn rows(&self) -> u64 {
         self.rows
+    }
+
+    /// Lists texts of a column that are known before the rows: they come first in its list in the file of names of an NPY table,
+    /// in this order, whether or not they occur, so that they have equal numbers in all tables. Other formats have no such list,
+    /// and unknown columns are ignored.
+    pub fn list_texts<'a>(&mut self, column: &str, texts: impl IntoIterator<Item = &'a str>) {
+        let number =
+            self.schema.columns().iter().position(|own| own.name == column && own.dtype == DType::Text);
+        if let Some(number) = number {
+            self.sink.list_texts(number, &texts.into_iter().collect::<Vec<_>>());
+        }
     }
 
     /// Appends rows.

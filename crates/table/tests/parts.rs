@@ -74,9 +74,15 @@ fn part(range: Range<u64>, total: u64) -> Part {
     Part::new("trace", settings.map(|(name, value)| (name.to_owned(), value.to_owned())), range, total)
 }
 
+/// Lists two texts in advance, of which one does not occur.
+fn list(table: &mut TableWriter) {
+    table.list_texts("path", ["tower[7]\n/brick", "roof"]);
+}
+
 /// Writes a part, its rows in chunks of random size.
 fn write(path: &Path, part: &Part, random: &mut ChaCha8Rng) {
     let mut table = TableWriter::create(path, &schema()).unwrap();
+    list(&mut table);
     let mut next = part.range.start;
     while next < part.range.end {
         let end = (next + random.random_range(1..=1 + part.total / 3)).min(part.range.end);
@@ -91,8 +97,15 @@ fn slicings(extension: &str, total: u64, times: usize) {
     let (folder, mut random) = (Folder::new(extension), ChaCha8Rng::seed_from_u64(5));
     let whole = folder.file(&format!("whole.{extension}"));
     let mut table = TableWriter::create(&whole, &schema()).unwrap();
+    list(&mut table);
     table.write(&rows(0..total, 0)).unwrap();
     table.finish().unwrap();
+    if extension == "npy" {
+        let names: serde_json::Value =
+            serde_json::from_slice(&fs::read(whole.with_extension("names.json")).unwrap()).unwrap();
+        assert_eq!((&names["path"][0], &names["path"][1]), (&"tower[7]\n/brick".into(), &"roof".into()));
+        assert_eq!(names["path"].as_array().unwrap().len(), 41);
+    }
     for time in 0..times {
         let mut cuts: Vec<u64> =
             (0..random.random_range(0..7)).map(|_| random.random_range(0..=total)).collect();

@@ -1128,8 +1128,10 @@ class PhotonHits:
     def map_svg(self, title: str, cells: int | None = None, plane: str | None = None) -> str:
         """Maps of the hits of each sensor as SVG, with a number of cells along their longer side and a plane of all maps."""
 
-    def spectra_svg(self, title: str, bins: int | None, time: tuple[float, float] | None) -> str:
-        """Spectra of times and wavelengths as SVG, with a number of bins and the range of times."""
+    def spectra_svg(
+        self, title: str, bins: int | None, time: tuple[float, float] | None, sensor: int | None
+    ) -> str:
+        """Spectra of times and wavelengths as SVG, with a number of bins and the range of times, of all hits or those of a sensor."""
 
 @final
 class PhotonRun:

@@ -7,8 +7,8 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::detector::{Histogram, HitPositions, MapPlane, histograms_svg, hit_maps_svg};
-use rayweave::photon::{Hits, hit_schema};
-use rayweave::table::{TableError, TableWriter};
+use rayweave::photon::{Hits, hit_table};
+use rayweave::table::TableError;
 
 use crate::error::bad_value;
 use crate::photons::parts::DetectorParts;
@@ -65,7 +65,7 @@ impl PyPhotonHits {
     #[pyo3(signature = (path))]
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let write = || -> Result<(), TableError> {
-            let mut table = TableWriter::create(&path, &hit_schema(self.hits.genstep.is_some())?)?;
+            let mut table = hit_table(&path, &self.detector.detector, self.hits.genstep.is_some())?;
             table.write(&self.hits.to_rows()?)?;
             table.finish().map(|_| ())
         };
@@ -89,22 +89,28 @@ impl PyPhotonHits {
         Ok(py.detach(|| hit_maps_svg(hits, title, "mm")))
     }
 
-    /// Spectra of times and wavelengths as SVG, with a number of bins and the range of times.
-    #[pyo3(signature = (title, bins, time))]
+    /// Spectra of times and wavelengths as SVG, with a number of bins and the range of times, of all hits or those of a sensor.
+    #[pyo3(signature = (title, bins, time, sensor))]
     fn spectra_svg(
         &self,
         py: Python<'_>,
         title: &str,
         bins: Option<usize>,
         time: Option<(f64, f64)>,
+        sensor: Option<u32>,
     ) -> String {
-        let range = time.map(<[f64; 2]>::from);
-        let time = Histogram { bins, range, ..Histogram::new("time", "ns", &self.hits.time) };
-        let wavelength = Histogram {
-            is_wavelength: true,
-            bins,
-            ..Histogram::new("wavelength", "nm", &self.hits.wavelength_nm)
+        let selected = |values: &[f64]| -> Vec<f64> {
+            let pairs = values.iter().zip(&self.hits.sensor);
+            pairs
+                .filter(|(_, own)| sensor.is_none_or(|sensor| **own == sensor))
+                .map(|(value, _)| *value)
+                .collect()
         };
+        let (times, wavelengths) = (selected(&self.hits.time), selected(&self.hits.wavelength_nm));
+        let range = time.map(<[f64; 2]>::from);
+        let time = Histogram { bins, range, ..Histogram::new("time", "ns", &times) };
+        let wavelength =
+            Histogram { is_wavelength: true, bins, ..Histogram::new("wavelength", "nm", &wavelengths) };
         py.detach(|| histograms_svg(&[time, wavelength], title))
     }
 }

@@ -18,7 +18,7 @@ use rayweave::detector::{Histogram, HitPositions, MapPlane, histograms_svg, hit_
 use rayweave::layout::{LayoutPlane, OpticalLayout};
 use rayweave::photon::{
     DetectionRule, Detector, Histories, HistoryOptions, Hits, PhotonError, RunSettings, Source, TimeProfile,
-    check_start, history_schema, hit_schema, lint, simulate_parts, step_schema,
+    check_start, history_schema, hit_schema, hit_table, lint, simulate_parts, step_schema,
 };
 use rayweave::scene::{Document, Scene};
 use rayweave::table::{ContentHash, Counts, Part, TableError, TableWriter};
@@ -442,7 +442,7 @@ impl Simulation {
     ) -> Result<PhotonReport, Failure> {
         let evaluator = Packets::new(detector.program().clone());
         let has_gensteps = matches!(source, Source::Gensteps(_));
-        let create = |path: &Path| TableWriter::create(path, &hit_schema(has_gensteps)?);
+        let create = |path: &Path| hit_table(path, detector, has_gensteps);
         let mut hits = self.out.as_deref().map(create).transpose()?;
         let steps = self.steps.as_deref().map(|path| TableWriter::create(path, &step_schema(detector)?));
         let mut steps = steps.transpose()?;

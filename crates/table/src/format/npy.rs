@@ -24,7 +24,7 @@ pub(super) struct NpySink {
     row_size: usize,
 }
 
-/// The distinct texts of a column, in the order in which they first occur.
+/// The distinct texts of a column: those known before the rows, then the others in the order in which they first occur.
 #[derive(Default)]
 struct Texts {
     list: Vec<Arc<str>>,
@@ -104,6 +104,12 @@ fn scatter<T: Copy, const SIZE: usize>(
 }
 
 impl Sink for NpySink {
+    fn list_texts(&mut self, column: usize, texts: &[&str]) {
+        for &text in texts {
+            self.texts[column].id(&Arc::from(text));
+        }
+    }
+
     fn write(&mut self, _schema: &Schema, chunk: &Chunk) -> Result<(), TableError> {
         let texts = self.text_ids(chunk);
         for first in (0..chunk.rows()).step_by(ROWS_PER_BLOCK) {

@@ -1,4 +1,4 @@
-//! The join of NPY tables: texts are numbered again, in the order in which they occur in the whole.
+//! The join of NPY tables: texts are numbered again, in the order of the lists of the parts, which is that of the whole.
 
 use super::{Part, PartSet, dtype};
 use crate::chunk::Values;
@@ -70,6 +70,9 @@ impl NpyPart {
     /// Appends all rows to another table.
     fn copy(mut self, path: &Path, whole: &mut TableWriter) -> Result<(), TableError> {
         let columns = self.schema.columns().to_vec();
+        for (column, texts) in columns.iter().zip(&self.texts) {
+            whole.list_texts(&column.name, texts.iter().map(|text| &**text));
+        }
         let row_size: usize = columns.iter().map(|column| column.dtype.size()).sum();
         let (mut block, before) = (Vec::new(), whole.rows());
         let mut left = self.rows;

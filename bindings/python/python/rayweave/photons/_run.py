@@ -15,6 +15,7 @@ from rayweave import _core
 from rayweave._drawing import Drawing
 from rayweave._table import Table, dataset, table_of
 from rayweave._whole import whole
+from rayweave._words import did_you_mean
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import package
 
@@ -181,8 +182,10 @@ class Hits(_Named):
         cells = None if bins is None else whole(bins, "bins", least=1, bits=10)
         return Drawing(self._compiled.map_svg(self._title, cells, plane))
 
-    def plot_spectra(self, *, bins: int | None = None, time: tuple[float, float] | None = None) -> Drawing:
-        """Histograms of the times and of the wavelengths.
+    def plot_spectra(
+        self, *, bins: int | None = None, time: tuple[float, float] | None = None, sensor: str | int | None = None
+    ) -> Drawing:
+        """Histograms of the times and of the wavelengths, of all hits or of those of one `sensor`, given by its path or its number.
 
         `bins` is the number of bins of each, up to 1023; by default about 60 of a round width, fewer for few hits. `time` is the
         range of times in ns; by default that of the hits, without the latest 0.5 % if they are much later than the others. The
@@ -193,7 +196,19 @@ class Hits(_Named):
             if not (np.isfinite([first, last]).all() and first < last):
                 raise ValueError(f"time is {time}: it must be two finite numbers, the smaller one first.")
             time = first, last
-        return Drawing(self._compiled.spectra_svg(f"Hits: {self._title}", count, time))
+        if sensor is None:
+            return Drawing(self._compiled.spectra_svg(f"Hits: {self._title}", count, time, None))
+        paths = self.sensor_paths
+        if isinstance(sensor, str):
+            if sensor not in paths:
+                hint = did_you_mean(sensor, paths, {})
+                raise KeyError(f"there is no sensor '{sensor}': `sensor_paths` lists all {len(paths)}.{hint}")
+            number = paths.index(sensor)
+        else:
+            number = whole(sensor, "sensor", least=0, bits=31)
+            if number >= len(paths):
+                raise IndexError(f"sensor is {number}: there are {len(paths)} sensors, numbered from 0.")
+        return Drawing(self._compiled.spectra_svg(f"Hits: {self._title}, {paths[number]}", count, time, number))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
