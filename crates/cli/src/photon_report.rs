@@ -161,6 +161,11 @@ impl PhotonReport {
                 "note: {part} % of the photons are stopped by the limit of steps: their light is never absorbed. Check the \
                  absorption lengths and REFLECTIVITY, or raise --max-steps."
             ));
+        } else if stopped > 0 {
+            remarks.push(format!(
+                "note: {stopped} {} by the limit of steps, which --max-steps raises.",
+                if stopped == 1 { "photon is stopped" } else { "photons are stopped" }
+            ));
         }
         remarks
     }

@@ -86,6 +86,7 @@ impl Lint<'_> {
             }
             self.ranges(&owner, &properties);
             self.velocity(&owner, &properties);
+            self.resolution(&owner, &properties);
         }
     }
 
@@ -167,6 +168,18 @@ impl Lint<'_> {
                 let advice = "Outside its range the index has the value of its nearest end: extend RINDEX.";
                 self.find(owner, name, Message::new(problem, reason).suggest(advice));
             }
+        }
+    }
+
+    /// A scintillator without `RESOLUTIONSCALE`, with which Geant4 11 stops: G4Scintillation reads it by `GetConstProperty`, where a
+    /// missing property is a fatal exception (mat202).
+    fn resolution(&mut self, owner: &Owner, properties: &[(&str, &Datum)]) {
+        let has = |wanted: &str| properties.iter().any(|(name, _)| *name == wanted);
+        if has("SCINTILLATIONCOMPONENT1") && !has("RESOLUTIONSCALE") {
+            let problem = format!("{owner} scintillates without `RESOLUTIONSCALE`");
+            let reason = "Geant4 stops where a particle loses energy in it; Rayweave needs no such property";
+            let advice = "Add RESOLUTIONSCALE, 1 for a number of photons with Poisson's distribution.";
+            self.find(owner, "SCINTILLATIONCOMPONENT1", Message::new(problem, reason).suggest(advice));
         }
     }
 

@@ -51,6 +51,21 @@ fn a_sound_detector_has_no_findings() {
 }
 
 #[test]
+fn a_scintillator_needs_a_resolution_scale_in_geant4() {
+    let inner =
+        r#"<property name="RINDEX" ref="GLASS"/><property name="SCINTILLATIONCOMPONENT1" ref="HALF"/>"#;
+    let finding = found(&SlabDetector { inner, ..CLEAR }, "without `RESOLUTIONSCALE`");
+    assert_place(&SlabDetector { inner, ..CLEAR }, &finding, "SCINTILLATIONCOMPONENT1");
+    let inner = format!(r#"{inner}<property name="RESOLUTIONSCALE" ref="ONE"/>"#);
+    let matrices = r#"<matrix name="ONE" coldim="1" values="1"/>"#;
+    let complete = findings(&SlabDetector { inner: &inner, matrices, ..CLEAR }.text());
+    assert!(
+        complete.iter().all(|finding| !finding.to_string().contains("without `RESOLUTIONSCALE`")),
+        "{complete:#?}"
+    );
+}
+
+#[test]
 fn energies_of_another_unit_are_named() {
     for (values, advice) in [
         ("2 1.5 4 1.5", "look like eV"),
