@@ -5,7 +5,7 @@
 //! thread exist at any time. Work that is not divided into chunks, such as reading a file, can run [`aside`].
 
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
@@ -137,7 +137,7 @@ const AHEAD: usize = 3;
 /// Runs `work` on every chunk and merges the results in the order of the chunks.
 ///
 /// The calling thread is one of the `threads`. Each thread makes its own scratch once. `merge` runs on the calling
-/// thread. An error of `merge` ends the run, and so does cancellation, which is checked before each chunk and each
+/// thread. The iterator may wait for its source, as for requests that arrive one by one: results are merged meanwhile. An error of `merge` ends the run, and so does cancellation, which is checked before each chunk and each
 /// merge. A panic in `work` causes a panic here.
 pub fn drive<I, O, S, E>(
     threads: NonZeroUsize,
@@ -148,6 +148,7 @@ pub fn drive<I, O, S, E>(
     mut merge: impl FnMut(O) -> Result<(), E>,
 ) -> Result<(), Stopped<E>>
 where
+    I: Send,
     O: Send,
 {
     if threads.get() == 1 {
@@ -191,15 +192,26 @@ fn drive_here<I, O, S, E>(
     if cancel.is_cancelled() { Err(Stopped::Cancelled) } else { Ok(()) }
 }
 
+/// Number of pulled chunks that may wait for a thread.
+const READY: usize = 2;
+
 /// Chunks to be processed and results to be merged.
-struct Queue<C, O> {
-    state: Mutex<QueueState<C, O>>,
+///
+/// The calling thread never pulls chunks: their iterator may wait for its source, such as a pipe, and finished results are merged
+/// meanwhile. A chunk that was pulled does not wait for the next one either, because one thread pulls at a time, without the lock of
+/// the state, and all others take chunks that are ready.
+struct Queue<C, I, O> {
+    chunks: Mutex<C>,
+    state: Mutex<QueueState<I, O>>,
     changed: Condvar,
     ahead: usize,
 }
 
-struct QueueState<C, O> {
-    chunks: C,
+struct QueueState<I, O> {
+    /// Pulled chunks with their numbers, lowest first.
+    ready: VecDeque<(usize, I)>,
+    /// True while a thread pulls a chunk.
+    pulling: bool,
     /// Number of the next chunk to pull.
     pulled: usize,
     /// Number of the next result to merge.
@@ -209,6 +221,7 @@ struct QueueState<C, O> {
     helpers: usize,
     /// Threads that wait for a change; [`Queue::change`] notifies only if it is not 0.
     waiting: usize,
+    /// True if no further chunk will be pulled.
     closed: bool,
 }
 
@@ -219,19 +232,27 @@ enum Turn<I, O> {
     Done,
 }
 
-impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
+impl<I, C: Iterator<Item = I>, O> Queue<C, I, O> {
     fn new(chunks: C, ahead: usize, helpers: usize) -> Self {
-        let (results, closed) = (BTreeMap::new(), false);
-        let state = QueueState { chunks, pulled: 0, merged: 0, results, helpers, waiting: 0, closed };
-        Queue { state: Mutex::new(state), changed: Condvar::new(), ahead }
+        let state = QueueState {
+            ready: VecDeque::new(),
+            pulling: false,
+            pulled: 0,
+            merged: 0,
+            results: BTreeMap::new(),
+            helpers,
+            waiting: 0,
+            closed: false,
+        };
+        Queue { chunks: Mutex::new(chunks), state: Mutex::new(state), changed: Condvar::new(), ahead }
     }
 
-    fn lock(&self) -> MutexGuard<'_, QueueState<C, O>> {
+    fn lock(&self) -> MutexGuard<'_, QueueState<I, O>> {
         // after a panic under the lock the counters are still consistent
         self.state.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 
-    fn wait<'a>(&self, mut guard: MutexGuard<'a, QueueState<C, O>>) -> MutexGuard<'a, QueueState<C, O>> {
+    fn wait<'a>(&self, mut guard: MutexGuard<'a, QueueState<I, O>>) -> MutexGuard<'a, QueueState<I, O>> {
         guard.waiting += 1;
         let mut guard = self.changed.wait(guard).unwrap_or_else(|poisoned| poisoned.into_inner());
         guard.waiting -= 1;
@@ -239,7 +260,7 @@ impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
     }
 
     /// Changes the state and wakes the waiting threads.
-    fn change(&self, change: impl FnOnce(&mut QueueState<C, O>)) {
+    fn change(&self, change: impl FnOnce(&mut QueueState<I, O>)) {
         let mut state = self.lock();
         change(&mut state);
         if state.waiting > 0 {
@@ -247,26 +268,41 @@ impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
         }
     }
 
-    /// The next chunk with its number, after waiting until the merge is near enough; `None` at the end or after cancellation.
+    /// The next chunk with its number for a thread other than the calling one, after waiting until the merge is near enough; `None`
+    /// at the end or after cancellation.
     fn next(&self, cancel: &Cancel) -> Option<(usize, I)> {
-        let mut state = self.lock();
-        while !state.closed && state.pulled >= state.merged + self.ahead {
-            state = self.wait(state);
+        loop {
+            let mut state = self.lock();
+            loop {
+                if cancel.is_cancelled() {
+                    return None;
+                }
+                let may_pull = !state.closed && !state.pulling && state.pulled < state.merged + self.ahead;
+                if may_pull && state.ready.len() < READY {
+                    break;
+                }
+                if let Some(chunk) = state.ready.pop_front() {
+                    return Some(chunk);
+                }
+                if state.closed {
+                    return None;
+                }
+                state = self.wait(state);
+            }
+            state.pulling = true;
+            drop(state);
+            let chunk = self.chunks.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).next();
+            self.change(|state| {
+                state.pulling = false;
+                match chunk {
+                    Some(chunk) => {
+                        state.ready.push_back((state.pulled, chunk));
+                        state.pulled += 1;
+                    }
+                    None => state.closed = true,
+                }
+            });
         }
-        if cancel.is_cancelled() { None } else { self.pull(&mut state) }
-    }
-
-    fn pull(&self, state: &mut QueueState<C, O>) -> Option<(usize, I)> {
-        if state.closed {
-            return None;
-        }
-        let Some(chunk) = state.chunks.next() else {
-            state.closed = true;
-            self.changed.notify_all();
-            return None;
-        };
-        state.pulled += 1;
-        Some((state.pulled - 1, chunk))
     }
 
     fn deliver(&self, number: usize, result: O) {
@@ -304,9 +340,11 @@ impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
             if let Some(result) = state.results.remove(&next) {
                 return Turn::Merge(result);
             }
-            if state.pulled < state.merged + self.ahead
-                && let Some((number, chunk)) = self.pull(&mut state)
-            {
+            if let Some((number, chunk)) = state.ready.pop_front() {
+                if state.waiting > 0 {
+                    // there is room for another chunk
+                    self.changed.notify_all();
+                }
                 return Turn::Work(number, chunk);
             }
             if state.helpers == 0 {
@@ -318,20 +356,27 @@ impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
 }
 
 /// Releases waiting threads when the calling thread stops merging, even by a panic.
-struct Closing<'a, I, C: Iterator<Item = I>, O>(&'a Queue<C, O>);
+struct Closing<'a, I, C: Iterator<Item = I>, O>(&'a Queue<C, I, O>);
 
 impl<I, C: Iterator<Item = I>, O> Drop for Closing<'_, I, C, O> {
     fn drop(&mut self) {
-        self.0.change(|state| state.closed = true);
+        self.0.change(|state| {
+            state.closed = true;
+            state.ready.clear();
+        });
     }
 }
 
 /// Counts a thread out when it ends, even by a panic, so that the merge cannot wait forever.
-struct Leaving<'a, I, C: Iterator<Item = I>, O>(&'a Queue<C, O>);
+struct Leaving<'a, I, C: Iterator<Item = I>, O>(&'a Queue<C, I, O>);
 
 impl<I, C: Iterator<Item = I>, O> Drop for Leaving<'_, I, C, O> {
     fn drop(&mut self) {
-        self.0.change(|state| state.helpers -= 1);
+        self.0.change(|state| {
+            state.helpers -= 1;
+            // a panic of the iterator: nobody pulls any more
+            state.closed |= std::thread::panicking();
+        });
     }
 }
 
@@ -376,6 +421,36 @@ mod tests {
         drive(threads(2), &Cancel::new(), chunks, || (), |_, _| (), merge).unwrap();
         assert_eq!(merged.load(Ordering::SeqCst), 1000);
         assert!(most.load(Ordering::SeqCst) <= 2 * AHEAD + 1);
+    }
+
+    #[test]
+    fn results_are_merged_while_the_next_chunk_is_awaited() {
+        for n in 1..=8 {
+            let (merged, was_merged) = std::sync::mpsc::channel();
+            // each chunk comes after the result of the one before, as from a client that waits for its answers
+            let chunks = (0..20).map_while(move |k: u32| {
+                let is_answered = k == 0 || was_merged.recv_timeout(Duration::from_secs(20)) == Ok(k - 1);
+                is_answered.then_some(k)
+            });
+            let mut count = 0;
+            let merge = |k: u32| {
+                count += 1;
+                // the iterator, which receives it, is gone after the last chunk
+                let _ = merged.send(k);
+                Ok::<(), ()>(())
+            };
+            drive(threads(n), &Cancel::new(), chunks, || (), |_, k| k, merge).unwrap();
+            assert_eq!(count, 20, "{n} threads");
+        }
+    }
+
+    #[test]
+    fn a_panic_of_the_iterator_is_passed_on() {
+        for n in [1, 2, 4] {
+            let chunks = (0..100).inspect(|k| assert!(*k < 50));
+            let run = || drive(threads(n), &Cancel::new(), chunks, || (), |_, _| (), |()| Ok::<(), ()>(()));
+            assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).is_err());
+        }
     }
 
     #[test]
