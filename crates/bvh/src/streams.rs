@@ -49,7 +49,7 @@ const NONE: u32 = u32::MAX;
 const MOST_PASSED: u32 = 16;
 
 /// The boxes that a ray passes, from front to back.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StreamPlace(u32);
 
 impl StreamPlace {

@@ -151,12 +151,12 @@ impl Objects {
         Some(found)
     }
 
-    /// Computes the unit gradients of planes of placed solids.
+    /// Computes the unit gradients of planes, if there are placed solids: those of other models are simpler to find.
     fn find_units(&mut self, program: &Program) {
         for k in 0..self.objects.len() {
             let object = &self.objects[k];
             let Some(faces) = self.parts[object.part as usize].planes.clone() else { continue };
-            if self.steps(object).is_empty() || self.units.len() > LARGE {
+            if self.steps.is_empty() || self.units.len() > LARGE {
                 continue;
             }
             let first = self.units.len();

@@ -9,7 +9,7 @@ use super::super::places::{Step, stretch};
 use super::{Method, Object, Objects};
 use rayweave_bvh::ExactBvh;
 use rayweave_math::{Bounds, Vec3};
-use rayweave_model::{PlacementId, Program, Start, SurfaceId};
+use rayweave_model::{PlacementId, Program, Start, SurfaceEntry, SurfaceId};
 use rayweave_shape::surface::Surface;
 use std::collections::HashMap;
 use std::ops::{ControlFlow, Range};
@@ -98,7 +98,9 @@ impl Cells {
     /// The cells of all solids with lists; `bounds` are the boxes of the solids, and `extents` those around all of each.
     pub fn new(program: &Program, objects: &Objects, bounds: &[Bounds], extents: &[Bounds]) -> Cells {
         let limits = &objects.model.limits;
-        let slack = match limits.largest_radius == 0.0 && limits.bend == 0.0 {
+        // also in the frames of placed solids
+        let is_flat = |entry: &SurfaceEntry| matches!(entry.surface, Surface::Plane(_));
+        let slack = match program.surfaces().iter().all(is_flat) {
             true => SLACK_OF_PLANES * (2.0 * limits.radius + limits.centre.length()),
             false => SLACK * limits.radius,
         };

@@ -62,6 +62,24 @@ struct Done {
     after: f64,
 }
 
+impl Seeker {
+    /// The exit from the solid in which the ray starts, as the first hit of a ray that meets no other solid, if it is certain.
+    #[inline(always)]
+    fn exit(&self, objects: &Objects) -> Option<Done> {
+        let [t, next, face] = self.exit;
+        let is_certain = !self.is_near && next >= t + self.given[GIVEN - 1];
+        let cell = objects.cells.get(self.cell);
+        is_certain.then(|| Done {
+            ray: self.ray,
+            object: objects.cells.list(cell)[0],
+            t,
+            face,
+            before: cell.region,
+            after: cell.base,
+        })
+    }
+}
+
 /// The number of components of a ray with its bounds.
 const GIVEN: usize = 8;
 
@@ -296,11 +314,17 @@ impl Firsts<'_, '_> {
                     else {
                         break;
                     };
-                    lanes.put(lane, objects, &seeker);
                     places[lane] = match crowd.is_sparse {
                         true => seekers.streams.of_ray(seekers.waiting.len()),
                         false => None,
                     };
+                    if places[lane] == Some(StreamPlace::END)
+                        && let Some(exit) = seeker.exit(objects)
+                    {
+                        self.put(simd, objects, exit, &mut seekers.done[0]);
+                        continue;
+                    }
+                    lanes.put(lane, objects, &seeker);
                     if places[lane].is_none() {
                         seekers.traversals.begin_one(simd, &crowd.tree, lane, slabs, until);
                     }
@@ -398,7 +422,12 @@ impl Firsts<'_, '_> {
         };
         let Some(hit) = lanes.hit(lane).filter(is_resolved) else { return others.push(u64::from(ray)) };
         // hits of one kind together have normals of one kind
-        let done = &mut done[usize::from(hit.object != lanes.own[lane])];
+        self.put(simd, objects, hit, &mut done[usize::from(hit.object != lanes.own[lane])]);
+    }
+
+    /// Adds a hit to those of its kind, which are written together.
+    #[inline(always)]
+    fn put<S: Simd>(&mut self, simd: S, objects: &Objects, hit: Done, done: &mut Vec<Done>) {
         done.push(hit);
         if done.len() == LANES {
             self.put_done(simd, objects, done);
