@@ -1,8 +1,8 @@
 //! The [`Evaluator`] trait, which computes the crossings of rays, with its queries and answers.
 
 use crate::{
-    BadRay, CrossingColumns, FirstHits, HitArrayRows, LeafId, Medium, PlacementId, Program, RayBatch, Rays,
-    RegionId, SurfaceId, columns::ColumnSink,
+    BadRay, BoxCells, CrossingColumns, FirstHits, HitArrayRows, LeafId, Medium, PlacementId, Program,
+    RayBatch, Rays, RegionId, SurfaceId, columns::ColumnSink,
 };
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::Vec3;
@@ -368,6 +368,12 @@ pub trait Evaluator: Sync {
         between: &mut Vec<(usize, Crossing)>,
     ) {
         self.nearest_from(rays, query, scratch, hits, between);
+    }
+
+    /// The cells of the model that are boxes, for callers that compute crossings in them; `None` if the evaluator does not know
+    /// them.
+    fn box_cells(&self) -> Option<&BoxCells> {
+        None
     }
 
     /// The answers for a whole batch in arrays.

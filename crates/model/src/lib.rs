@@ -18,6 +18,7 @@ pub mod weld;
 
 mod approximate;
 mod boundary;
+mod box_cells;
 mod boxes;
 mod chord;
 mod columns;
@@ -48,6 +49,7 @@ mod trail;
 
 pub use approximate::{ApproximateColumns, ApproximateEvaluator};
 pub use boundary::{Boundary, Facets, FlatFace, MAX_POINTS, Motion, Swept};
+pub use box_cells::{AxisBox, BoxCell, BoxCells, BoxStart};
 pub use chord::{Ball, chord};
 pub use columns::{CrossingColumns, FirstHits, HitArrayRows};
 pub use copies::Copies;

@@ -264,8 +264,15 @@ impl StartSurfaces {
     #[must_use]
     #[inline]
     pub fn plane(&self, face: Face) -> Option<u32> {
-        let first = self.first_of_placement[face.placement.index()];
-        let plane = self.plane_of[(first + self.position[face.surface.index()]) as usize];
+        self.plane_of_surface(face.surface, face.placement)
+    }
+
+    /// [`plane`](StartSurfaces::plane) by the surface and the placement of a face.
+    #[must_use]
+    #[inline]
+    pub fn plane_of_surface(&self, surface: SurfaceId, placement: PlacementId) -> Option<u32> {
+        let first = self.first_of_placement[placement.index()];
+        let plane = self.plane_of[(first + self.position[surface.index()]) as usize];
         (plane != u32::MAX).then_some(plane)
     }
 

@@ -237,6 +237,13 @@ fn numbered_blocks([a, b, c]: [Words; 3], seed: u64, (purpose, number): (Purpose
     blocks([a, b, c, last], [seed as u32, (seed >> 32) as u32])
 }
 
+/// The first two uniform numbers for the free paths of eight photons.
+#[inline(always)]
+pub(crate) fn free_path_uniforms(counters: [Words; 3], seed: u64) -> [[f64; LANES]; 2] {
+    let [a, b, c, d] = first_blocks(counters, seed, Purpose::FreePath);
+    [uniforms(&a, &b), uniforms(&c, &d)]
+}
+
 /// The two uniform numbers in a block of the boundary process of eight photons.
 #[inline(always)]
 pub(crate) fn boundary_uniforms(counters: [Words; 3], seed: u64, block: u32) -> [[f64; LANES]; 2] {

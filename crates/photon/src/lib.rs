@@ -16,6 +16,7 @@
 //! `G4OpBoundaryProcess`, `G4OpAbsorption`, `G4OpRayleigh`, `G4OpMieHG` and `G4OpWLS`.
 
 mod boundary;
+mod box_steps;
 mod compare;
 mod detector;
 #[cfg(feature = "gpu")]

@@ -6,6 +6,7 @@
 use crate::boundary::{
     AtBoundary, Boundary, BoundaryEvent, Departed, LaneBoundaries, LaneSurface, PlanePoint,
 };
+use crate::box_steps::{BatchPhotons, BoxSteps};
 use crate::detector::{DetectionRule, Detector, Meeting};
 use crate::draws::{Draws, LEAST_EXPONENTIAL, counter, exponential};
 use crate::error::PhotonError;
@@ -194,6 +195,8 @@ pub(crate) struct Batch<'d, E: Evaluator, R: Recorder> {
     stages: Vec<Stage>,
     bare: LaneBoundaries,
     painted: LaneBoundaries,
+    /// Steps within boxes, in runs without histories.
+    boxes: Option<BoxSteps<'d>>,
     result: PhotonRun,
     /// The paths of all sensors so far.
     paths: VolumePaths,
@@ -210,10 +213,10 @@ pub(crate) struct Batch<'d, E: Evaluator, R: Recorder> {
 struct Tally<K>(Vec<(K, u64)>);
 
 impl<K: Copy + Ord> Tally<K> {
-    fn add(&mut self, kind: K) {
+    fn add(&mut self, kind: K, number: u64) {
         match self.0.iter_mut().find(|(known, _)| *known == kind) {
-            Some((_, count)) => *count += 1,
-            None => self.0.push((kind, 1)),
+            Some((_, count)) => *count += number,
+            None => self.0.push((kind, number)),
         }
     }
 
@@ -302,6 +305,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             stages: Vec::new(),
             bare: LaneBoundaries::bare(),
             painted: LaneBoundaries::painted(),
+            boxes: if R::RECORDS { None } else { BoxSteps::new(detector, evaluator.box_cells(), settings) },
             result: PhotonRun::default(),
             paths: VolumePaths::default(),
             recorder,
@@ -389,8 +393,47 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.next_first.push(0);
     }
 
+    /// Further steps of photons within boxes, as far as they are certain.
+    fn step_in_boxes(&mut self) {
+        let Some(boxes) = &mut self.boxes else { return };
+        let counts = boxes.run(&mut BatchPhotons {
+            flights: &mut self.flights,
+            first: &self.first,
+            starts: &mut self.starts,
+            tables: &self.tables,
+            values: &mut self.values,
+        });
+        self.result.steps += counts.steps;
+        counts.events().for_each(|(event, number)| self.boundary_events.add(event, number));
+        counts.ends().for_each(|(end, number)| self.ends.add(end, number));
+        self.remove_ended();
+    }
+
+    /// Removes the photons that have ended within boxes.
+    fn remove_ended(&mut self) {
+        let Some([begin, ..]) = self.boxes.as_ref().map(BoxSteps::ended) else { return };
+        let (begin, mut ended) = (*begin, self.boxes.iter().flat_map(BoxSteps::ended).peekable());
+        let mut kept = begin;
+        let mut end = self.first[kept] as usize;
+        for at in begin..self.flights.len() {
+            if ended.next_if_eq(&&at).is_some() {
+                continue;
+            }
+            let list = self.first[at] as usize..self.first[at + 1] as usize;
+            self.starts.copy_within(list.clone(), end);
+            end += list.len();
+            self.flights[kept] = self.flights[at];
+            kept += 1;
+            self.first[kept] = end as u32;
+        }
+        self.flights.truncate(kept);
+        self.first.truncate(kept + 1);
+        self.starts.truncate(end);
+    }
+
     /// One step of all photons, chunk by chunk. Those that go on replace the others, in the same order.
     fn step_all(&mut self) {
+        self.step_in_boxes();
         self.kept = 0;
         for first in (0..self.flights.len()).step_by(CHUNK) {
             self.chunk = first..self.flights.len().min(first + CHUNK);
@@ -463,7 +506,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     /// Ends photon `i` of the chunk, at the surface of a crossing or in the volume.
     fn end(&mut self, i: usize, end: End, at: Option<&Crossing>) {
         self.record(i, Process::End(end), at);
-        self.ends.add(end);
+        self.ends.add(end, 1);
     }
 
     /// Records a process of photon `i` of the chunk.
@@ -599,8 +642,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
                 LaneSurface::Bare([index, behind])
             }
             Meeting::Painted(number, rule) => {
-                let table = detector.surfaces[number as usize].reflectivity.as_ref();
-                LaneSurface::Painted(table.map_or(1.0, |table| table.at(energy)), rule)
+                LaneSurface::Painted(rule.values(&detector.surfaces[number as usize], energy))
             }
             Meeting::Other => return None,
         };
@@ -635,7 +677,13 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
                     Group::Other(_) | Group::Alone => None,
                 };
                 let point = departed.and_then(|departed| departed.contact);
+                let event = departed.map(|departed| departed.event);
+                if event == Some(BoundaryEvent::Absorption) {
+                    self.boundary_events.add(BoundaryEvent::Absorption, 1);
+                    return self.end(i, End::SurfaceAbsorbed, None);
+                }
                 if let (Some(departed), Some(point)) = (&departed, point)
+                    && event != Some(BoundaryEvent::Detection)
                     && !(departed.is_behind && self.is_detecting(self.found.after[i]))
                 {
                     return self.leave_plane(i, departed, &point);
@@ -731,7 +779,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     /// Photon `i` leaves a plane in a run without histories, and goes on.
     fn leave_plane(&mut self, i: usize, departed: &Departed, point: &PlanePoint) {
         let (detector, at) = (self.detector, self.chunk.start + i);
-        self.boundary_events.add(departed.event);
+        self.boundary_events.add(departed.event, 1);
         let (inside, side) = match departed.is_behind {
             true => (point.is_falling, ExitSide::Transmitted),
             false => (point.is_rising, ExitSide::Incident),
@@ -781,7 +829,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             Ok(point) => point.position,
             Err(contact) => contact.project(normal),
         };
-        self.boundary_events.add(event);
+        self.boundary_events.add(event, 1);
         let detects_efficiency = self.settings.detection != DetectionRule::Volume;
         match event {
             BoundaryEvent::Detection if detects_efficiency => {
@@ -855,7 +903,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             (self.detector, &mut self.paths),
             volume,
         );
-        self.ends.add(End::Detected);
+        self.ends.add(End::Detected, 1);
     }
 }
 

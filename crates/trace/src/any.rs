@@ -4,7 +4,7 @@ use crate::accelerated::{Accelerated, RayDevice};
 use crate::single_hit::TooLarge;
 use rayweave_error::{Classified, ErrorKind, Message};
 use rayweave_model::{
-    Crossing, Evaluator, FirstHits, HitArrayRows, Program, Query, Rays, RegionId, Sink, Window,
+    BoxCells, Crossing, Evaluator, FirstHits, HitArrayRows, Program, Query, Rays, RegionId, Sink, Window,
 };
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -169,6 +169,10 @@ impl Evaluator for AnyEvaluator {
 
     fn preferred_batch(&self) -> Option<NonZeroUsize> {
         each!(self, evaluator => evaluator.preferred_batch())
+    }
+
+    fn box_cells(&self) -> Option<&BoxCells> {
+        each!(self, evaluator => evaluator.box_cells())
     }
 
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut AnyScratch, sink: &mut dyn Sink) {

@@ -9,7 +9,7 @@ use fearless_simd::prelude::*;
 use rayweave_shape::lanes::{Lanes, Mask, Vec3Lanes, splat};
 
 /// The events, in the order of the masks of a group.
-pub(super) const EVENTS: [BoundaryEvent; 3] = [
+pub(crate) const EVENTS: [BoundaryEvent; 3] = [
     BoundaryEvent::FresnelRefraction,
     BoundaryEvent::TotalInternalReflection,
     BoundaryEvent::FresnelReflection,

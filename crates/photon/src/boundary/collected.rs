@@ -3,7 +3,6 @@
 
 use super::event::BoundaryEvent;
 use super::lanes::{Group, Planes, Row};
-use super::painted::Reflection;
 use super::{bare, painted};
 use crate::draws::Counter;
 use fearless_simd::Simd;
@@ -52,8 +51,8 @@ pub(crate) struct AtBoundary {
 pub(crate) enum LaneSurface {
     /// An interface, with the indices in front of it and behind it.
     Bare([f64; 2]),
-    /// Paint or metal, with its reflectivity.
-    Painted(f64, Reflection),
+    /// Paint or metal, with its [values](super::Reflection::values).
+    Painted([f64; 3]),
 }
 
 /// A photon after the process.
@@ -120,10 +119,10 @@ impl LaneBoundaries {
             group.counters[k][lane] = u64::from(photon.counter[k]);
         }
         let values = match photon.surface {
-            LaneSurface::Bare(indices) => indices,
-            LaneSurface::Painted(reflectivity, reflection) => [reflectivity, reflection.number()],
+            LaneSurface::Bare([index, behind]) => [index, behind, 0.0],
+            LaneSurface::Painted(values) => values,
         };
-        for k in 0..2 {
+        for k in 0..3 {
             group.values[k][lane] = values[k];
         }
         group.t[lane] = photon.t;
@@ -161,6 +160,8 @@ impl LaneBoundaries {
             Kind::Painted => painted::EVENTS,
         };
         let event = match group.events.map(bit) {
+            _ if bit(group.detected) => BoundaryEvent::Detection,
+            _ if bit(group.lost) => BoundaryEvent::Absorption,
             [true, _] => first,
             [false, true] => second,
             [false, false] => third,
@@ -186,7 +187,9 @@ fn apply_bare<S: Simd>(simd: S, groups: &mut [Group], (seed, count): (u64, usize
     for (k, group) in groups.iter_mut().enumerate() {
         let used = !0u64 >> (64 - (count - k * LANES).min(LANES));
         // the contacts need the directions before the process
-        group.touch(simd, planes);
+        if group.on_plane != 0 {
+            group.touch(simd, planes);
+        }
         group.meet_interface(simd, seed, used);
     }
 }
@@ -195,7 +198,9 @@ fn apply_bare<S: Simd>(simd: S, groups: &mut [Group], (seed, count): (u64, usize
 #[inline(always)]
 fn apply_painted<S: Simd>(simd: S, groups: &mut [Group], seed: u64, planes: Planes<'_>) {
     for group in groups {
-        group.touch(simd, planes);
+        if group.on_plane != 0 {
+            group.touch(simd, planes);
+        }
         group.meet_paint(simd, seed);
     }
 }

@@ -17,13 +17,13 @@ pub(super) type Row = [f64; LANES];
 
 /// Eight photons: before the process, then after it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Group {
+pub(crate) struct Group {
     pub direction: [Row; 3],
     pub polarisation: [Row; 3],
     pub normal: [Row; 3],
-    /// At interfaces the indices in front of them and behind them; at painted surfaces the reflectivity, and the number of the
-    /// rule of reflection.
-    pub values: [Row; 2],
+    /// At interfaces the indices in front of them and behind them; at painted surfaces those of
+    /// [`Reflection::values`](super::Reflection::values).
+    pub values: [Row; 3],
     /// The counters of the random numbers.
     pub counters: [Words; 3],
     pub position: [Row; 3],
@@ -39,6 +39,9 @@ pub(super) struct Group {
     pub alone: u64,
     /// Bit masks of the photons with the first and with the second of the events of a kind; the others have the third.
     pub events: [u64; 2],
+    /// Bit masks of the photons that the surface does not reflect, and of those that it detects.
+    pub lost: u64,
+    pub detected: u64,
     /// Bit mask of the photons behind the boundary.
     pub is_behind: u64,
     /// Bit mask of the photons that need the scalar process.

@@ -17,9 +17,11 @@ mod process;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use bare::EVENTS as BARE_EVENTS;
 pub(crate) use collected::{AtBoundary, Departed, LaneBoundaries, LaneSurface, PlanePoint};
 pub use event::BoundaryEvent;
-pub(crate) use painted::Reflection;
+pub(crate) use lanes::Group;
+pub(crate) use painted::{EVENTS as PAINTED_EVENTS, Reflection};
 #[cfg(feature = "gpu")]
 pub(crate) use process::GRAZING;
 

@@ -10,7 +10,7 @@ use fearless_simd::prelude::*;
 use rayweave_shape::lanes::{Lanes, Mask, splat};
 
 /// The events, in the order of the masks of a group; there is no third one.
-pub(super) const EVENTS: [BoundaryEvent; 3] = [
+pub(crate) const EVENTS: [BoundaryEvent; 3] = [
     BoundaryEvent::SpikeReflection,
     BoundaryEvent::LambertianReflection,
     BoundaryEvent::LambertianReflection,
@@ -28,8 +28,8 @@ pub(crate) enum Reflection {
 }
 
 impl Reflection {
-    /// The rule of a surface; `None` if it has several or another one, or if it reflects few photons: in lanes those that are not
-    /// reflected are done twice.
+    /// The rule of a surface; `None` if it has several or another one, or if it reflects few photons and transmits some: in lanes
+    /// those that it may transmit are done twice.
     pub fn of(surface: &OpticalSurface) -> Option<Reflection> {
         use SurfaceFinish::{Ground, GroundFrontPainted, Polished, PolishedFrontPainted};
         let all = |table: &Option<PropertyTable>, holds: fn(f64) -> bool| {
@@ -37,7 +37,8 @@ impl Reflection {
         };
         let has_index = surface.reflectivity.is_none() && surface.metal_index.is_some();
         let reflects = all(&surface.reflectivity, |value| value >= 0.5);
-        if has_index || !reflects || !all(&surface.transmittance, |value| value >= 0.0) {
+        let is_opaque = surface.transmittance.is_none();
+        if has_index || !(reflects || is_opaque) || !all(&surface.transmittance, |value| value >= 0.0) {
             return None;
         }
         let has_lobes =
@@ -53,8 +54,19 @@ impl Reflection {
         }
     }
 
+    /// What lanes need of a surface at an energy: the reflectivity, the number of the rule, and the efficiency, -1 for a surface
+    /// that may transmit photons.
+    #[inline]
+    pub fn values(self, surface: &OpticalSurface, energy: f64) -> [f64; 3] {
+        let at = |table: &Option<PropertyTable>, absent: f64| {
+            table.as_ref().map_or(absent, |table| table.at(energy))
+        };
+        let efficiency = if surface.transmittance.is_none() { at(&surface.efficiency, 0.0) } else { -1.0 };
+        [at(&surface.reflectivity, 1.0), self.number(), efficiency]
+    }
+
     /// The number in a lane.
-    pub(super) fn number(self) -> f64 {
+    fn number(self) -> f64 {
         f64::from(self as u8)
     }
 }
@@ -65,7 +77,7 @@ impl Group {
     pub fn meet_paint<S: Simd>(&mut self, simd: S, seed: u64) {
         let (d, p, n) =
             (vector(simd, &self.direction), vector(simd, &self.polarisation), vector(simd, &self.normal));
-        let [reflectivity, rule] = [0, 1].map(|k| load(simd, &self.values[k]));
+        let [reflectivity, rule, efficiency] = [0, 1, 2].map(|k| load(simd, &self.values[k]));
         let is = |reflection: Reflection| rule.simd_eq(splat(simd, reflection.number()));
         let (is_mirror, is_metal) = (is(Reflection::Mirror), is(Reflection::Metal));
         let uniforms = |block: u32| {
@@ -82,8 +94,12 @@ impl Group {
         let polarisation = negative(mirrored(p, facet));
         self.events = [is_mirror, !is_mirror].map(|mask| mask.to_bitmask());
         self.leave(simd, n, (direction, polarisation), Mask::splat(simd, false));
-        // as `Process::is_lost` and `Process::metal`
+        self.unsure |= direction.dot(n).simd_lt(splat(simd, 0.0)).to_bitmask();
+        // as `Process::is_lost`, `Process::metal` and `Process::absorb`
         let is_lost = loss.simd_gt(reflectivity);
-        self.unsure |= (is_lost | direction.dot(n).simd_lt(splat(simd, 0.0))).to_bitmask();
+        self.lost = is_lost.to_bitmask();
+        self.detected = (is_lost & first.simd_lt(efficiency)).to_bitmask();
+        let may_pass = (is_lost & efficiency.simd_lt(splat(simd, 0.0))).to_bitmask();
+        self.unsure = (self.unsure & !self.lost) | may_pass;
     }
 }

@@ -576,7 +576,7 @@ fn bare_interfaces_in_lanes_equal_the_scalar_process() {
     }
 }
 
-/// Photons at paint and metal in lanes have the bits of the scalar process, which is left to those that are lost.
+/// Photons at paint and metal in lanes have the bits of the scalar process, which is left to those that may be transmitted.
 #[test]
 fn paint_in_lanes_equals_the_scalar_process() {
     use SurfaceFinish::{Ground, GroundFrontPainted, Polished, PolishedFrontPainted};
@@ -599,11 +599,14 @@ fn paint_in_lanes_equals_the_scalar_process() {
         };
         assert_eq!(Reflection::of(&own), Some(rule));
         // rules that do not hold for all photons
-        assert_eq!(Reflection::of(&OpticalSurface { reflectivity: constant(0.1), ..own.clone() }), None);
+        let dark = OpticalSurface { reflectivity: constant(0.1), ..own.clone() };
+        assert_eq!(Reflection::of(&dark), Some(rule));
+        assert_eq!(Reflection::of(&OpticalSurface { transmittance: constant(0.1), ..dark }), None);
         let lobes = OpticalSurface { lobe: constant(0.5), ..own.clone() };
         assert_eq!(Reflection::of(&lobes), Some(rule).filter(|rule| *rule != Reflection::Metal));
         own
     });
+    let open = surfaces.each_ref().map(|own| OpticalSurface { transmittance: constant(0.1), ..own.clone() });
     let mut lanes = LaneBoundaries::painted();
     let (mut photons, mut expected) = (Vec::new(), Vec::new());
     for number in 0..4003u64 {
@@ -613,6 +616,7 @@ fn paint_in_lanes_equals_the_scalar_process() {
         let direction = if cosine == 1.0 { -normal } else { -stream.around(normal, cosine) };
         let polarisation = stream.polarisation(direction);
         let k = (number % 4) as usize;
+        let own = if number % 5 == 0 { &open[k] } else { &surfaces[k] };
         let mut photon = Boundary {
             direction,
             polarisation,
@@ -621,13 +625,13 @@ fn paint_in_lanes_equals_the_scalar_process() {
             index: 1.4,
             index_behind: None,
             is_same_material: number % 3 == 0,
-            surface: Some(&surfaces[k]),
+            surface: Some(own),
         };
         let at = AtBoundary {
             direction,
             polarisation,
             normal,
-            surface: LaneSurface::Painted(0.8, rules[k].2),
+            surface: LaneSurface::Painted(rules[k].2.values(own, ENERGY)),
             counter: [0, number as u32, 1],
             position: Vec3::ZERO,
             t: 1.0,
@@ -642,14 +646,23 @@ fn paint_in_lanes_equals_the_scalar_process() {
     for (number, expected) in photons.into_iter().zip(expected) {
         let bits = |vector: Vec3| vector.to_array().map(f64::to_bits);
         let Some(found) = lanes.get(number) else { continue };
-        assert_eq!((found.event, found.is_behind), (expected.0, expected.1), "photon {number}");
-        assert_eq!(bits(found.direction), bits(expected.2), "photon {number}");
-        assert_eq!(bits(found.polarisation), bits(expected.3), "photon {number}");
+        assert_eq!(found.event, expected.0, "photon {number}");
         *events.entry(found.event).or_insert(0) += 1;
+        if !matches!(found.event, BoundaryEvent::Absorption | BoundaryEvent::Detection) {
+            assert_eq!(found.is_behind, expected.1, "photon {number}");
+            assert_eq!(bits(found.direction), bits(expected.2), "photon {number}");
+            assert_eq!(bits(found.polarisation), bits(expected.3), "photon {number}");
+        }
     }
     if rayweave_shape::lanes::WideLevel::widest().is_some() {
-        // a fifth of the photons is lost
-        assert!(events.len() == 2 && events.values().all(|&n| n > 1500), "{events:?}");
+        // a fifth of the photons is lost, of which three tenths are detected
+        let least = [
+            (BoundaryEvent::SpikeReflection, 1500),
+            (BoundaryEvent::LambertianReflection, 1500),
+            (BoundaryEvent::Absorption, 400),
+            (BoundaryEvent::Detection, 150),
+        ];
+        assert!(least.iter().all(|(event, least)| events.get(event) > Some(least)), "{events:?}");
     }
 }
 

@@ -1,6 +1,7 @@
 //! The physics of photons against closed forms, in small GDML detectors.
 
 mod boundary;
+mod boxes;
 mod bulk;
 mod cavities;
 mod closed_volumes;

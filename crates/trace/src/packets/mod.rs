@@ -29,8 +29,8 @@ use objects::{First, Objects, Walk};
 use plan::{APART, Common, Plan, SMALL};
 use rayweave_bvh::BundleTraversal;
 use rayweave_model::{
-    Crossing, Evaluator, Face, FirstHits, HitArrayRows, Limit, Program, Query, RayAnswer, Rays, RegionId,
-    Sink, StartLists, Window, attributes,
+    BoxCells, Crossing, Evaluator, Face, FirstHits, HitArrayRows, Limit, Program, Query, RayAnswer, Rays,
+    RegionId, Sink, StartLists, Window, attributes,
 };
 use rayweave_shape::dispatch_wide;
 use rayweave_shape::lanes::{LANES, Lanes, Mask, Vec3Lanes, WideLevel, splat};
@@ -542,6 +542,10 @@ impl Evaluator for Packets {
 
     fn scratch(&self) -> PacketsScratch {
         PacketsScratch::default()
+    }
+
+    fn box_cells(&self) -> Option<&BoxCells> {
+        self.layers.as_ref()?.box_cells()
     }
 
     fn crossings(

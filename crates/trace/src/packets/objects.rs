@@ -6,6 +6,7 @@
 //! entries occur at the same time, or if the entry and the next change are so close that they may have to be
 //! welded.
 
+mod boxes;
 mod cells;
 mod crowd;
 mod sliver;
@@ -25,8 +26,8 @@ use rayweave_bvh::{BundleSlabs, BundleTraversal, BundleWindow, ExactBvh};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::weld::Trajectory;
 use rayweave_model::{
-    Edge, Expression, Face, Gate, LeafId, LeafKind, MARGIN, PlacementId, Program, Prototype, PrototypeId,
-    Rays, Rule, Window,
+    BoxCells, Edge, Expression, Face, Gate, LeafId, LeafKind, MARGIN, PlacementId, Program, Prototype,
+    PrototypeId, Rays, Rule, Window,
 };
 use rayweave_shape::lanes::{LANES, LaneLimits, LaneRay, Lanes, Mask, Vec3Lanes, splat};
 use rayweave_shape::surface::Surface;
@@ -52,6 +53,7 @@ pub(super) struct Objects {
     cells: Cells,
     /// The unit gradients of the faces of placed solids whose faces are planes.
     units: Vec<Vec3>,
+    box_cells: Option<BoxCells>,
 }
 
 /// One of the solids.
@@ -141,12 +143,23 @@ impl Objects {
         let is_few = leaves.sum::<usize>() <= MAX_SPANS;
         let condition = group.condition;
         let (is_layered, model, cells) = (is_layered(program), model.clone(), Cells::default());
-        let units = Vec::new();
-        let mut found =
-            Objects { model, objects, parts, steps, boxes, condition, is_few, is_layered, cells, units };
+        let mut found = Objects {
+            model,
+            objects,
+            parts,
+            steps,
+            boxes,
+            condition,
+            is_few,
+            is_layered,
+            cells,
+            units: Vec::new(),
+            box_cells: None,
+        };
         if is_layered {
             found.cells = Cells::new(program, &found, &bounds, &extents);
             found.find_units(program);
+            found.box_cells = found.find_box_cells(program);
         }
         Some(found)
     }
@@ -179,6 +192,11 @@ impl Objects {
     /// True if [`Objects::first_within`] applies.
     pub fn is_layered(&self) -> bool {
         self.is_layered
+    }
+
+    /// The cells that are boxes.
+    pub fn box_cells(&self) -> Option<&BoxCells> {
+        self.box_cells.as_ref()
     }
 
     /// The number of solids.

@@ -204,6 +204,11 @@ impl Step {
         Affine { linear: *self.linear, translation: self.translation }
     }
 
+    /// The translation, if it is nothing else.
+    pub fn translation_only(&self) -> Option<Vec3> {
+        (*self.linear == Mat3::IDENTITY).then_some(self.translation)
+    }
+
     /// The image of a point.
     pub fn point(&self, point: Vec3) -> Vec3 {
         self.map().point(point)

@@ -44,6 +44,8 @@ pub(super) struct Cell {
     pub class: u32,
     /// The number of the tree of the others; [`NONE`] if they are few and in the list.
     pub crowd: u32,
+    /// The cell of the last solid that contains the solid and its surroundings; [`NONE`] if it has none.
+    pub mother: u32,
 }
 
 /// The many solids that rays within a solid can meet.
@@ -148,7 +150,7 @@ impl Cells {
                 found.lists.extend(others);
             }
             let (list, region) = (first..found.lists.len() as u32, objects.objects[k as usize].region);
-            found.cells.push(Cell { list, base: draft.base, region, class, crowd });
+            found.cells.push(Cell { list, base: draft.base, region, class, crowd, mother: NONE });
         }
         found.of_region = regions(objects, &of_object);
         let around = |k: usize| {
@@ -156,6 +158,11 @@ impl Cells {
             mother.map_or(NONE, |mother| of_object[mother as usize])
         };
         let sides: Vec<[u32; 2]> = (0..drafts.len()).map(|k| [around(k), of_object[k]]).collect();
+        for &[mother, own] in &sides {
+            if let Some(cell) = found.cells.get_mut(own as usize) {
+                cell.mother = mother;
+            }
+        }
         found.tabulate(objects, &sides);
         found
     }
