@@ -110,7 +110,8 @@ impl BoxCells {
         found
     }
 
-    /// The place of a ray that starts on one surface; `None` elsewhere.
+    /// The place of a ray that starts on one surface; `None` elsewhere. Here `inside` is true for the side of the inside of the box,
+    /// whatever the sign of the surface's function there.
     #[inline]
     pub fn start(&self, start: &Start) -> Option<BoxStart> {
         let &[first, low, count] = self.of_placement.get(start.placement.index())?;
