@@ -2,8 +2,8 @@
 //!
 //! A photon that starts on a face of a box meets the faces of this box and of the few boxes within it. If its next crossing is
 //! certain, if no scattering in the material comes first, and if the boundary is one that [lanes](crate::boundary) can apply, the
-//! step needs neither a query nor memory: the photon stays in its lane until it is absorbed. Every other step is left to the loop
-//! over all photons. Both compute the same bits.
+//! step needs neither a query nor memory: the photon stays in its lane until it is absorbed. The loop over all photons makes every
+//! other step. Both compute the same bits.
 
 use crate::boundary::{BARE_EVENTS, BoundaryEvent, Group, PAINTED_EVENTS};
 use crate::detector::{DetectionRule, Detector, Meeting};
@@ -25,7 +25,7 @@ const BOXES: usize = BoxCells::MOST;
 /// The largest number of processes in the material of a cell.
 const PATHS: usize = 2;
 
-/// The number of photons below which lanes are left to the loop over all photons.
+/// The number of photons below which the loop over all photons is faster.
 const FEW: u32 = 3;
 
 /// No cell.
@@ -399,7 +399,7 @@ impl<'d> BoxSteps<'d> {
         (region.0 > 0).then_some(*values)
     }
 
-    /// What lanes need for the boundary between two regions: true for a bare interface, false for paint, and the
+    /// The boundary between two regions in lanes: true for a bare interface, false for paint, and the
     /// [values](Group::values); `None` for other boundaries.
     fn meeting(
         &self,
@@ -457,7 +457,7 @@ impl<'d> BoxSteps<'d> {
     }
 }
 
-/// What the steps of all photons have in common.
+/// The common data of the steps of all photons.
 struct World<'d> {
     seed: u64,
     max_steps: u32,

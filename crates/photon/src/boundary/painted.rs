@@ -28,8 +28,8 @@ pub(crate) enum Reflection {
 }
 
 impl Reflection {
-    /// The rule of a surface; `None` if it has several or another one, or if it reflects few photons and transmits some: in lanes
-    /// those that it may transmit are done twice.
+    /// The rule of a surface; `None` if it has several or another one, or if it reflects few photons and transmits some: lanes
+    /// repeat the work for those that it may transmit.
     pub fn of(surface: &OpticalSurface) -> Option<Reflection> {
         use SurfaceFinish::{Ground, GroundFrontPainted, Polished, PolishedFrontPainted};
         let all = |table: &Option<PropertyTable>, holds: fn(f64) -> bool| {
@@ -54,7 +54,7 @@ impl Reflection {
         }
     }
 
-    /// What lanes need of a surface at an energy: the reflectivity, the number of the rule, and the efficiency, -1 for a surface
+    /// The values of a surface at an energy for lanes: the reflectivity, the number of the rule, and the efficiency, -1 for a surface
     /// that may transmit photons.
     #[inline]
     pub fn values(self, surface: &OpticalSurface, energy: f64) -> [f64; 3] {

@@ -576,7 +576,7 @@ fn bare_interfaces_in_lanes_equal_the_scalar_process() {
     }
 }
 
-/// Photons at paint and metal in lanes have the bits of the scalar process, which is left to those that may be transmitted.
+/// Photons at paint and metal in lanes have the bits of the scalar process, which remains for those that the surface may transmit.
 #[test]
 fn paint_in_lanes_equals_the_scalar_process() {
     use SurfaceFinish::{Ground, GroundFrontPainted, Polished, PolishedFrontPainted};

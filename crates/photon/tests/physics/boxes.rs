@@ -84,7 +84,7 @@ fn photons(count: u64, place: [f64; 3]) -> Source {
 
 const COUNT: u64 = 600;
 
-/// Asserts that boxes are known and that runs with and without them are equal.
+/// Asserts that the evaluator has boxes and that runs with and without them are equal.
 fn assert_equal_runs(inner: &[Volume], places: &[[f64; 3]]) {
     let detector = crate::detector(&detector(inner, places)).unwrap();
     let program = detector.program();
