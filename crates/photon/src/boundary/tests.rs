@@ -616,7 +616,7 @@ fn paint_in_lanes_equals_the_scalar_process() {
         let direction = if cosine == 1.0 { -normal } else { -stream.around(normal, cosine) };
         let polarisation = stream.polarisation(direction);
         let k = (number % 4) as usize;
-        let own = if number % 5 == 0 { &open[k] } else { &surfaces[k] };
+        let own = if number.is_multiple_of(5) { &open[k] } else { &surfaces[k] };
         let mut photon = Boundary {
             direction,
             polarisation,

@@ -69,7 +69,7 @@ fn photons(count: u64, place: [f64; 3]) -> Source {
     let photon = |number: u64| {
         let mut stream = Stream::new(3, number, 0, Purpose::Emission);
         let offset = Vec3::from_array([(); 3].map(|()| 29.8 * (stream.uniform() - 0.5)));
-        let direction = if number % 50 == 0 { Vec3::X } else { stream.direction() };
+        let direction = if number.is_multiple_of(50) { Vec3::X } else { stream.direction() };
         let polarisation = stream.polarisation(direction);
         Photon {
             position: Vec3::from_array(place) + offset,
