@@ -156,7 +156,7 @@ impl<E: Evaluator, R: Evaluator> Pair<'_, E, R> {
             });
         }
         let inside = theirs.first().is_some_and(|&region| region != RegionId(0));
-        tally.check(self.ours.contains(points[0]) == inside, || format!("seed {}: contains", self.seed));
+        tally.check(self.ours.contains(points[0]) == Ok(inside), || format!("seed {}: contains", self.seed));
     }
 }
 

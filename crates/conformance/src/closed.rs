@@ -110,9 +110,14 @@ pub fn points<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
         let evaluator = make(Arc::new(program));
         let mut region = [RegionId(7)];
         evaluator.regions_at([&point[..1], &point[1..2], &point[2..]], &mut evaluator.scratch(), &mut region);
-        assert_eq!(evaluator.contains(Vec3::from_array(point)), region[0] != RegionId(0));
+        assert_eq!(evaluator.contains(Vec3::from_array(point)), Ok(region[0] != RegionId(0)));
         region[0] == RegionId(1)
     };
+    let evaluator = make(Arc::new(Program::compile(&cube).unwrap_or_else(|e| panic!("{e}"))));
+    for bad in [f64::NAN, f64::INFINITY] {
+        let problem = evaluator.contains(Vec3::new(0.5, bad, 0.5)).map_err(|problem| problem.to_string());
+        assert!(problem.is_err_and(|text| text.contains("its coordinates must be finite")), "{bad}");
+    }
     assert!(contains(&cube, [0.5, 0.5, 0.5]) && !contains(&cube, [1.5, 0.5, 0.5]));
     assert!(contains(&cube, [0.0, 0.5, 0.5]) && !contains(&cube, [1.0, 0.5, 0.5]));
     assert!(contains(&cube, [0.0, 0.0, 0.0]) && !contains(&cube, [0.0, 1.0, 0.0]));

@@ -1,8 +1,8 @@
 //! The [`Evaluator`] trait, which computes the crossings of rays, with its queries and answers.
 
 use crate::{
-    BadRay, BoxCells, CrossingColumns, FirstHits, HitArrayRows, LeafId, Medium, PlacementId, Program,
-    RayBatch, Rays, RegionId, SurfaceId, columns::ColumnSink,
+    BadPoint, BadRay, BoxCells, CrossingColumns, FirstHits, HitArrayRows, LeafId, Medium, PlacementId,
+    Program, RayBatch, Rays, RegionId, SurfaceId, columns::ColumnSink,
 };
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::Vec3;
@@ -395,11 +395,16 @@ pub trait Evaluator: Sync {
         self.collect(RayBatch::from_iter([ray]).rays(), query).map_err(|bad| bad.problem)
     }
 
-    /// True if the point, whose coordinates must be finite, is inside any region: see [`Evaluator::regions_at`].
-    fn contains(&self, point: Vec3) -> bool {
-        let mut region = [RegionId(0)];
-        self.regions_at([&[point.x], &[point.y], &[point.z]], &mut self.scratch(), &mut region);
-        region[0] != RegionId(0)
+    /// True if the point is inside any region: see [`Evaluator::regions_at`]. For more than a few points, a batch is faster.
+    ///
+    /// # Errors
+    /// [`BadPoint`] if a coordinate is not finite.
+    fn contains(&self, point: Vec3) -> Result<bool, BadPoint> {
+        let (points, mut region) = ([[point.x], [point.y], [point.z]], [RegionId(0)]);
+        let points = points.each_ref().map(|coordinate| &coordinate[..]);
+        self.program().check_points(points)?;
+        self.regions_at(points, &mut self.scratch(), &mut region);
+        Ok(region[0] != RegionId(0))
     }
 }
 

@@ -35,7 +35,7 @@ fn agrees(solid: &Solid, half: [f64; 3], seed: u64, depth: impl Fn([f64; 3]) -> 
         if expected.abs() < 1e-9 {
             continue;
         }
-        assert_eq!(weave.contains(p.into()), expected < 0.0, "{p:?} {expected}");
+        assert_eq!(weave.contains(p.into()).unwrap(), expected < 0.0, "{p:?} {expected}");
         if expected < 0.0 { inside += 1 } else { outside += 1 }
     }
     assert!(inside > 200 && outside > 200, "{inside} {outside}");

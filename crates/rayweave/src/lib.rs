@@ -50,7 +50,7 @@
 //! let face = program.face_number(first.face.leaf, first.face.facet);
 //! assert_eq!(program.face_name(face as u32), "sphere.side");
 //!
-//! assert!(weave.contains(Vec3::new(0.0, 1.5, 0.0)) && !weave.contains(Vec3::ZERO));
+//! assert!(weave.contains(Vec3::new(0.0, 1.5, 0.0))? && !weave.contains(Vec3::ZERO)?);
 //! # Ok::<(), rayweave::Error>(())
 //! ```
 //!

@@ -44,7 +44,7 @@ impl Probe {
     }
 
     pub fn contains(&self, point: Vec3) -> bool {
-        self.weave.contains(point)
+        self.weave.contains(point).unwrap()
     }
 
     pub fn crossings(&self, origin: Vec3, direction: Vec3) -> Vec<Crossing> {

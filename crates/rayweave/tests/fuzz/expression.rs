@@ -67,7 +67,7 @@ fn boolean(text: &str) {
         let inside = |cx: f64, cy: f64| (x - cx).powi(2) + (y - cy).powi(2) < 4.0;
         let sides = [inside(-1.0, 0.0), inside(1.0, 0.0), inside(0.0, 1.5)];
         let Some(expected) = Reader::new(text).whole(|reader| reader.chain(sides, 0)) else { return };
-        assert_eq!(weave.contains(Vec3::new(x, y, 0.0)), expected, "{text} at {x}, {y}");
+        assert_eq!(weave.contains(Vec3::new(x, y, 0.0)).unwrap(), expected, "{text} at {x}, {y}");
     }
 }
 
