@@ -362,7 +362,7 @@ pub struct SamplingArguments {
     pub confidence: f64,
 
     /// Trace at most this many rays for a region, or for all regions together in a model of more than 32 regions; a first round for all
-    /// regions does not count
+    /// regions does not count. Where a ray reaches more than 16 shapes on average, the number is divided by a 16th of that
     #[arg(long, value_name = "N", default_value_t = 1 << 24, value_parser = whole_number)]
     pub rays: u64,
 

@@ -136,7 +136,7 @@ def check(
     distance: float | None = None,
     cells: int = 128,
     confidence: float = 0.99,
-    most_pairs: int = 20_000,
+    most_pairs: int = 10_000,
     within: Box | None = None,
     seed: int = 0,
     pictures: bool = False,

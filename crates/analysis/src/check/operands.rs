@@ -96,6 +96,11 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
                 return self.leave_out(all.len() - k);
             }
             let others = row.around(&boxes, k);
+            // no other operand can contain any part of a shape alone in its box
+            if others.is_empty() && sizes[k] == 1 && !boxes[k].is_empty() {
+                self.probe.scope.operands += 1;
+                continue;
+            }
             let size = others.iter().map(|&j| sizes[j]).fold(sizes[k], u64::saturating_add);
             let effect = || own - &Solid::union(others.iter().map(|&j| all[j].clone()));
             self.operand(own, size, effect, map, "adds nothing to")?;

@@ -7,8 +7,9 @@ use super::subject::Subject;
 use super::{Finding, FindingKind};
 use crate::AnalysisError;
 use rayweave_math::Bounds;
-use rayweave_model::{Evaluator, Solid};
+use rayweave_model::{Evaluator, Program, Solid};
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 /// The intersection of two regions.
 struct Common {
@@ -157,7 +158,11 @@ pub fn outside<E: Evaluator>(
     let mut findings = Vec::new();
     for (daughter, boxes) in boxes.iter().enumerate() {
         if let Some((finding, rest)) = beyond_mothers(subject, daughter, boxes, probe)? {
-            findings.push(Finding { volume: probe.volume(&rest)?, ..finding });
+            let volume = match probe.in_findings.affords(VOLUME_RAYS, leaves_of(&rest)) {
+                true => probe.volume(&rest)?,
+                false => None,
+            };
+            findings.push(Finding { volume, ..finding });
         }
     }
     Ok(findings)
@@ -191,6 +196,9 @@ pub fn protruding<E: Evaluator>(
 /// The largest number of comparisons of boxes of a daughter's parts with boxes of its mothers' parts; above it, the boxes of the
 /// mothers as a whole are compared.
 const MOST_COMPARISONS: usize = 1 << 22;
+
+/// Solids with fewer leaves need no estimate of those that a ray reaches.
+const FEW_LEAVES: usize = 16;
 
 /// The boxes of the parts of each region.
 fn part_boxes(subject: &Subject<'_>) -> Result<Vec<Vec<Bounds>>, AnalysisError> {
@@ -231,11 +239,24 @@ fn farthest<E: Evaluator>(
     probe: &mut Probe<'_, E>,
 ) -> Result<Option<Thickest>, AnalysisError> {
     let across = if boxes.len() == 1 { 2 * FEW } else { FEW };
+    let most = probe.settings.most_pairs.min(boxes.len());
+    probe.scope.left_out += (boxes.len() - most) as u64;
+    let program = Arc::new(Program::compile(rest)?);
+    if program.bounds().is_empty() {
+        return Ok(None);
+    }
+    let load = program.ray_load();
+    let evaluator = (probe.make)(program)?;
     let mut best: Option<Thickest> = None;
-    let most = probe.settings.most_pairs;
-    probe.scope.left_out += boxes.len().saturating_sub(most) as u64;
-    for bounds in boxes.iter().take(most) {
-        let met = probe.is_there(rest, bounds, across)?;
+    for bounds in &boxes[..most] {
+        // where many parts overlap, each ray in the box of one passes all of them
+        let leaves = if load.len() < FEW_LEAVES { load.len() as f64 } else { load.through(bounds) };
+        if !probe.in_outside.affords(rays_of(across), leaves.ceil() as u64) {
+            probe.scope.left_out += 1;
+            continue;
+        }
+        let met = probe.thickest_of_evaluator(&evaluator, bounds, across)?;
+        let met = met.filter(|met| met.thickness > probe.scope.distance);
         if met.is_some_and(|met| best.is_none_or(|best| met.thickness > best.thickness)) {
             best = met;
         }

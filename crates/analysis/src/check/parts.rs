@@ -87,7 +87,17 @@ fn box_of(solid: &Solid, known: &mut Vec<(Solid, Bounds)>) -> Result<Bounds, Ana
     Ok(bounds)
 }
 
-/// The pairs of boxes that overlap in more than a face, found by a sweep along x: O(n log n) for scattered boxes.
+/// The axis along which the boxes overlap least: a sweep along it meets the fewest boxes at a time.
+fn sweep_axis(parts: &[Part]) -> usize {
+    let all = parts.iter().fold(Bounds::EMPTY, |all, part| all.union(&part.bounds));
+    let mean = |axis: usize| {
+        let width: f64 = parts.iter().map(|part| part.bounds.size()[axis]).sum();
+        width / all.size()[axis].max(f64::MIN_POSITIVE)
+    };
+    (0..3).min_by(|&a, &b| mean(a).total_cmp(&mean(b))).unwrap_or(0)
+}
+
+/// The pairs of boxes that overlap in more than a face, found by a sweep along an axis: O(n log n) for scattered boxes.
 /// `wanted` selects pairs; those beyond `most` are only counted.
 pub fn overlapping_pairs(
     parts: &[Part],
@@ -95,13 +105,14 @@ pub fn overlapping_pairs(
     wanted: impl Fn(&Part, &Part) -> bool,
     most: usize,
 ) -> OverlappingPairs {
+    let axis = sweep_axis(parts);
     let mut order: Vec<usize> = (0..parts.len()).collect();
-    order.sort_by(|&a, &b| parts[a].bounds.lo.x.total_cmp(&parts[b].bounds.lo.x));
+    order.sort_by(|&a, &b| parts[a].bounds.lo[axis].total_cmp(&parts[b].bounds.lo[axis]));
     let mut found = OverlappingPairs::default();
     let mut open: Vec<usize> = Vec::new();
     for k in order {
         let own = &parts[k];
-        open.retain(|&j| parts[j].bounds.hi.x > own.bounds.lo.x + distance);
+        open.retain(|&j| parts[j].bounds.hi[axis] > own.bounds.lo[axis] + distance);
         for &j in &open {
             let common = own.bounds.intersection(&parts[j].bounds);
             let is_met = !common.is_empty() && common.size().min_element() > distance;

@@ -17,14 +17,16 @@ const MAX_CANDIDATES: usize = 256;
 /// Number of cells along an edge of the cross-section of the box of a small part.
 pub const FEW: u32 = 10;
 
-/// The work that all searches of one kind may take: [`MIN_WORK`], and more for each pair of [`CheckSettings::most_pairs`]. It is counted
+/// The work that all searches of one kind may take: a constant, and more for each pair of [`CheckSettings::most_pairs`]. It is counted
 /// in rays times leaves that each may cross, and two for the search itself. All pairs of simple parts stay below it; a few thousand
-/// operands of one union that all overlap do not.
-const WORK_PER_PAIR: u64 = 5000;
-const MIN_WORK: u64 = 20_000_000;
+/// operands of one union that all overlap do not. Volumes of findings take far more rays than searches.
+const IN_PAIRS: [u64; 2] = [4_000_000, 2_500];
+const IN_OPERANDS: [u64; 2] = [4_000_000, 5_000];
+const IN_FINDINGS: [u64; 2] = [4_000_000, 500];
 
-/// The most rays of a volume.
-pub const VOLUME_RAYS: u64 = 1 << 16;
+/// The most rays of a volume, and their usual number, for estimates of the work.
+const MOST_VOLUME_RAYS: u64 = 1 << 16;
+pub const VOLUME_RAYS: u64 = 1 << 14;
 
 /// The most leaves of a solid that are counted.
 const MAX_LEAVES: u64 = 1 << 32;
@@ -36,9 +38,9 @@ pub struct Budget {
 }
 
 impl Budget {
-    fn new(settings: &CheckSettings) -> Budget {
-        let of_pairs = WORK_PER_PAIR.saturating_mul(settings.most_pairs as u64);
-        Budget { left: of_pairs.saturating_add(MIN_WORK) }
+    fn new([constant, per_pair]: [u64; 2], settings: &CheckSettings) -> Budget {
+        let of_pairs = per_pair.saturating_mul(settings.most_pairs as u64);
+        Budget { left: of_pairs.saturating_add(constant) }
     }
 
     /// True if there is enough left for this many rays through solids with this many leaves, which then counts as done.
@@ -64,9 +66,12 @@ pub struct Probe<'a, E> {
     pub next_search: u64,
     /// The stream of random numbers of the independent search that runs, if one does.
     stream: Option<u64>,
-    /// The work of the searches in pairs, of those in operands, and of those that examine what they found.
+    /// The work of the searches in pairs, of those in operands, of those beyond mothers, of those for regions that no ray
+    /// crossed, and of those that examine what they found.
     pub in_pairs: Budget,
     pub in_operands: Budget,
+    pub in_outside: Budget,
+    pub in_unseen: Budget,
     pub in_findings: Budget,
 }
 
@@ -99,9 +104,11 @@ impl<'a, E: Evaluator> Probe<'a, E> {
             work,
             next_search: 0,
             stream,
-            in_pairs: Budget::new(settings),
-            in_operands: Budget::new(settings),
-            in_findings: Budget::new(settings),
+            in_pairs: Budget::new(IN_PAIRS, settings),
+            in_operands: Budget::new(IN_OPERANDS, settings),
+            in_outside: Budget::new(IN_PAIRS, settings),
+            in_unseen: Budget::new(IN_FINDINGS, settings),
+            in_findings: Budget::new(IN_FINDINGS, settings),
         }
     }
 
@@ -167,21 +174,33 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         bounds: &Bounds,
         across: u32,
     ) -> Result<Option<Thickest>, AnalysisError> {
-        let program = Arc::new(Program::compile(solid)?);
-        let bounds = bounds.intersection(&program.bounds());
+        let program = Program::compile(solid)?;
+        match bounds.intersection(&program.bounds()).is_empty() {
+            true => Ok(None),
+            false => self.thickest_of_evaluator(&(self.make)(Arc::new(program))?, bounds, across),
+        }
+    }
+
+    /// Like [`thickest`](Self::thickest), for a solid that is searched in many boxes.
+    pub fn thickest_of_evaluator(
+        &mut self,
+        evaluator: &E,
+        bounds: &Bounds,
+        across: u32,
+    ) -> Result<Option<Thickest>, AnalysisError> {
+        let bounds = bounds.intersection(&evaluator.program().bounds());
         if bounds.is_empty() {
             return Ok(None);
         }
-        let evaluator = (self.make)(program)?;
         let mut candidates: Vec<(f64, MeasuredChord, [Vec3; 2])> = Vec::new();
         let visit = |found: &mut Vec<_>, piece: &Piece<'_>| {
             if piece.region() != RegionId(0) {
                 found.push((piece.thickness(), piece.chord(), piece.normals()));
             }
         };
-        self.survey(&evaluator, &bounds, across, visit, |some: Vec<_>| candidates.extend(some))?;
+        self.survey(evaluator, &bounds, across, visit, |some: Vec<_>| candidates.extend(some))?;
         candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
-        Ok(thickest_of(&evaluator, &candidates))
+        Ok(thickest_of(evaluator, &candidates))
     }
 
     /// The thickest place, if its thickness exceeds rounding error.
@@ -208,7 +227,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         let settings = MeasureSettings {
             precision: 0.02,
             confidence: self.settings.confidence,
-            most_rays: VOLUME_RAYS,
+            most_rays: MOST_VOLUME_RAYS,
             seed: self.settings.seed,
             threads: self.settings.threads,
             cancel: self.settings.cancel.clone(),

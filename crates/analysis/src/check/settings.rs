@@ -18,8 +18,9 @@ pub struct CheckSettings {
     pub across: u32,
     /// The level of confidence of volumes.
     pub confidence: f64,
-    /// The maximum number of pairs of parts, and of operands. The work on both grows with it: 20 million and 5,000 per pair, in rays
-    /// times leaves that each may cross. Pairs and operands beyond that are left out, and further findings have no volume.
+    /// The maximum number of pairs of parts, and of operands. The work on both grows with it: 4 million, and 2,500 per pair and 5,000 per
+    /// operand, in rays times leaves that each may cross. Pairs and operands beyond that are left out. So are overlaps, and volumes of
+    /// findings, beyond 4 million and 500 per pair.
     pub most_pairs: usize,
     /// Restricts the check to this box.
     pub within: Option<Bounds>,
@@ -31,7 +32,7 @@ pub struct CheckSettings {
     pub cancel: Cancel,
 }
 
-/// 98,304 rays through the model, at most 20,000 pairs.
+/// 98,304 rays through the model, at most 10,000 pairs.
 impl Default for CheckSettings {
     fn default() -> Self {
         CheckSettings {
@@ -40,7 +41,7 @@ impl Default for CheckSettings {
             distance: None,
             across: 128,
             confidence: 0.99,
-            most_pairs: 20_000,
+            most_pairs: 10_000,
             within: None,
             seed: 0,
             threads: None,

@@ -222,6 +222,22 @@ fn the_work_on_overlapping_operands_is_limited() {
     assert!(scope.operands < 100, "{}", scope.operands);
 }
 
+/// Regions that all overlap: the pairs that were not examined are counted, and are not reported as contacts.
+#[test]
+fn pairs_that_were_not_examined_are_counted() {
+    let mut text = String::new();
+    for k in 0..60 {
+        let [x, y, z] = [k % 3, k % 4, k % 5].map(|k| 0.3 * f64::from(k));
+        text += &format!("[solid.s{k}]\nsphere = {{ radius = {} }}\n", 10.0 + 1e-3 * f64::from(k));
+        text += &format!("transform = [{{ translate = [{x}, {y}, {z}] }}]\n[[region]]\nsolid = \"s{k}\"\n");
+    }
+    let report = checked(&text, &CheckSettings { across: 8, most_pairs: 10, ..CheckSettings::default() });
+    assert_eq!(report.scope.pairs, 10);
+    assert!(report.scope.left_out >= 60 * 59 / 2 - 10, "{}", report.scope.left_out);
+    assert_eq!(report.of(FindingKind::Touch).count(), 0);
+    assert!(report.of(FindingKind::Overlap).count() > 5);
+}
+
 const DETECTOR: &str = r#"<?xml version="1.0"?>
 <gdml>
  <define><position name="p" x="40" unit="mm"/><position name="q" x="-20" unit="mm"/><position name="r" x="-25" unit="mm"/></define>

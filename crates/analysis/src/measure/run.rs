@@ -23,6 +23,9 @@ pub(super) const FIRST_ACROSS: u64 = 48;
 /// The number of regions above which rays are shared: see [`measure`].
 pub(super) const MAX_ALONE: usize = 32;
 
+/// The mean number of leaves that a ray reaches, above which fewer rays are traced.
+const FEW_LEAVES: f64 = 16.0;
+
 /// The options of a measurement.
 #[derive(Clone, Debug)]
 pub struct MeasureSettings {
@@ -31,7 +34,8 @@ pub struct MeasureSettings {
     /// The level of confidence of all intervals: from 0.5, below 1.
     pub confidence: f64,
     /// The maximum number of rays, excluding the first round, which serves all regions: per region, and of all rays together in a
-    /// model of more than 32 regions.
+    /// model of more than 32 regions. Where a ray reaches more than 16 shapes on average, by their boxes, it is divided by a
+    /// 16th of that number.
     pub most_rays: u64,
     /// Restricts the measurement to this box; the faces of the box do not count as boundary.
     pub within: Option<Bounds>,
@@ -112,8 +116,9 @@ pub fn measure_with_progress<E: Evaluator>(
     let program = evaluator.program();
     let count = program.regions().len();
     let reached = vec![f64::INFINITY; count];
-    let mut run = Run { evaluator, settings, progress, quantile, traced: 0, streams: 0, reached };
     let (boxes, whole) = boxes_of(program, settings)?;
+    let most_rays = affordable(program, &whole, settings.most_rays);
+    let mut run = Run { evaluator, settings, most_rays, progress, quantile, traced: 0, streams: 0, reached };
     let mut results = vec![Joined::default(); count];
     if !whole.is_empty() {
         check_bounds(program, &whole)?;
@@ -142,6 +147,15 @@ pub fn measure_with_progress<E: Evaluator>(
         });
     }
     Ok(Measurement { regions, rays: run.traced })
+}
+
+/// The number of rays that take the work of `most_rays` rays through a simple model.
+fn affordable(program: &Program, whole: &Bounds, most_rays: u64) -> u64 {
+    let load = program.ray_load().through(whole);
+    match load > FEW_LEAVES {
+        true => (most_rays as f64 * (FEW_LEAVES / load)) as u64,
+        false => most_rays,
+    }
 }
 
 /// The bounds for a region that no ray through its box crosses.
@@ -236,6 +250,8 @@ impl Joined {
 struct Run<'a, E> {
     evaluator: &'a E,
     settings: &'a MeasureSettings,
+    /// The maximum number of rays: see [`MeasureSettings::most_rays`].
+    most_rays: u64,
     progress: &'a mut dyn FnMut(MeasureProgress),
     quantile: f64,
     traced: u64,
@@ -296,7 +312,7 @@ impl<E: Evaluator> Run<'_, E> {
         let mut across = FIRST_ACROSS;
         let mut spent = 0;
         while !bounds.is_empty() && !self.is_finished(&results[region], spent) {
-            let most = ((self.settings.most_rays - spent) / 6).isqrt();
+            let most = ((self.most_rays - spent) / 6).isqrt();
             if most == 0 {
                 break;
             }
@@ -315,7 +331,7 @@ impl<E: Evaluator> Run<'_, E> {
         whole: Bounds,
         results: &mut [Joined],
     ) -> Result<Vec<u64>, MeasureError> {
-        let (mut passed, mut left) = (vec![0; boxes.len()], self.settings.most_rays);
+        let (mut passed, mut left) = (vec![0; boxes.len()], self.most_rays);
         let (mut shared, mut common, mut alone) = (FIRST_ACROSS, whole, FIRST_ACROSS / 2);
         loop {
             let is_open = |region: usize| {

@@ -73,7 +73,7 @@ pub struct Check {
     cells: u32,
 
     /// Maximum number of pairs of parts, and of operands, to examine; fewer of them if they are large
-    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = crate::arguments::any_count::<usize>)]
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = crate::arguments::any_count::<usize>)]
     pairs: usize,
 
     #[command(flatten)]

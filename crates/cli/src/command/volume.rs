@@ -109,6 +109,7 @@ impl Volume {
             .iter()
             .filter(|region| !region.measured.is_reached)
             .partition(|region| region.measured.longest.is_none());
+        let traced = imprecise.iter().map(|region| region.measured.rays).max().unwrap_or(0);
         let [missed, imprecise] =
             [missed, imprecise].map(|some| some.into_iter().map(name).collect::<Vec<_>>());
         if !missed.is_empty() {
@@ -118,7 +119,7 @@ impl Volume {
             ));
         }
         if !imprecise.is_empty() {
-            let (names, most) = (listed(&imprecise), self.total.unwrap_or(self.sampling.rays));
+            let (names, most) = (listed(&imprecise), self.total.unwrap_or(traced));
             let option = if self.total.is_some() { "--total" } else { "--rays" };
             terminal::note(&format!(
                 "note: {names}: the requested precision is not reached after {most} rays. See {option}."

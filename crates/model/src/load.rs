@@ -1,0 +1,142 @@
+//! The expected cost of rays: the number of leaves that they reach.
+
+use crate::{LeafId, Program};
+use rayweave_math::Bounds;
+
+/// The leaves of a model by the boxes where they matter, for estimates of the work of rays.
+///
+/// Rays are parallel to an axis and spread evenly over the cross-sections of a box, as those that measure volumes. Such a ray meets a
+/// box within with the ratio of the areas of both cross-sections as probability.
+#[derive(Clone, Debug)]
+pub struct RayLoad {
+    /// The boxes, and the number of leaves that a ray reaches in each.
+    boxes: Vec<(Bounds, f64)>,
+}
+
+/// The most leaves of a group whose boxes are looked at; a ray through a larger group counts as one leaf.
+const MOST_LEAVES: usize = 1 << 22;
+
+impl Program {
+    /// The leaves by the boxes where they matter.
+    ///
+    /// Computed on each call, in time linear in the size of the model.
+    pub fn ray_load(&self) -> RayLoad {
+        let mut loads: Vec<Option<f64>> = vec![None; self.prototypes().len()];
+        let mut waiting = vec![0];
+        // placed solids before the groups that place them, without recursion
+        while let Some(&group) = waiting.last() {
+            if loads[group].is_some() {
+                waiting.pop();
+                continue;
+            }
+            let before = waiting.len();
+            self.placed_in(group, &mut |placed| {
+                if loads[placed].is_none() {
+                    waiting.push(placed);
+                }
+            });
+            if waiting.len() == before {
+                waiting.pop();
+                let bounds = self.prototypes()[group].bounds;
+                loads[group] = Some(RayLoad { boxes: self.boxes_of_leaves(group, &loads) }.through(&bounds));
+            }
+        }
+        RayLoad { boxes: self.boxes_of_leaves(0, &loads) }
+    }
+
+    /// Calls a function with each solid that is placed in a group.
+    fn placed_in(&self, group: usize, found: &mut impl FnMut(usize)) {
+        let mut last = None;
+        for leaf in self.prototypes()[group].leaves.clone() {
+            let placed = self.leaf(LeafId(leaf)).instance().map(|(run, _)| run.prototype);
+            // copies are consecutive
+            if let Some(placed) = placed.filter(|_| placed != last) {
+                found(placed.index());
+            }
+            last = placed;
+        }
+    }
+
+    fn boxes_of_leaves(&self, group: usize, loads: &[Option<f64>]) -> Vec<(Bounds, f64)> {
+        let group = &self.prototypes()[group];
+        if group.leaves.len() > MOST_LEAVES {
+            return vec![(group.bounds, 1.0)];
+        }
+        let boxes = self.matters(group).into_iter().zip(group.leaves.clone());
+        let placed = |leaf: u32| self.leaf(LeafId(leaf)).instance().map(|(run, _)| run.prototype.index());
+        let load = |leaf: u32| 1.0 + placed(leaf).and_then(|placed| loads[placed]).unwrap_or(0.0);
+        boxes.map(|(bounds, leaf)| (bounds, load(leaf))).filter(|(bounds, _)| !bounds.is_empty()).collect()
+    }
+}
+
+impl RayLoad {
+    /// The number of boxes.
+    pub fn len(&self) -> usize {
+        self.boxes.len()
+    }
+
+    /// True if no leaf matters anywhere.
+    pub fn is_empty(&self) -> bool {
+        self.boxes.is_empty()
+    }
+
+    /// The mean number of leaves that a ray through a box reaches. Rays that miss a leaf within its box are counted.
+    pub fn through(&self, bounds: &Bounds) -> f64 {
+        let all = cross_sections(bounds);
+        let met = |(own, load): &(Bounds, f64)| {
+            let common = own.intersection(bounds);
+            match common.is_empty() {
+                true => 0.0,
+                // an unbounded or a flat box
+                false if !(all > 0.0 && all.is_finite()) => *load,
+                false => load * (cross_sections(&common) / all),
+            }
+        };
+        self.boxes.iter().map(met).sum()
+    }
+}
+
+/// The sum of the areas of the cross-sections of a box along the three axes.
+fn cross_sections(own: &Bounds) -> f64 {
+    let size = own.size();
+    size.x * size.y + size.y * size.z + size.z * size.x
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Program, Solid};
+    use rayweave_math::{Affine, Bounds, Vec3};
+    use rayweave_shape::primitive::{BoxFromCorners, Primitive};
+
+    fn cube() -> Solid {
+        Solid::from(Primitive::from(BoxFromCorners::new(Vec3::splat(-1.0), Vec3::splat(1.0)).unwrap()))
+    }
+
+    fn load(solid: &Solid, bounds: &Bounds) -> f64 {
+        Program::compile(solid).unwrap().ray_load().through(bounds)
+    }
+
+    /// Boxes are a little larger than the leaves: by rounding errors.
+    #[test]
+    fn each_leaf_counts_by_its_cross_section() {
+        let whole = Bounds::new(Vec3::splat(-1.0), Vec3::splat(1.0));
+        assert!((load(&cube(), &whole) - 1.0).abs() < 1e-9);
+        let twice = Bounds::new(Vec3::splat(-2.0), Vec3::splat(2.0));
+        assert!((load(&cube(), &twice) - 0.25).abs() < 1e-9);
+        let both = cube() | cube().translate([0.5, 0.0, 0.0]);
+        let around = Bounds::new(Vec3::splat(-1.0), Vec3::new(1.5, 1.0, 1.0));
+        // of 2.5 x 2 + 2 x 2 + 2 x 2.5 each has 12
+        assert!((load(&both, &around) - 24.0 / 14.0).abs() < 1e-9);
+        assert_eq!(load(&Solid::empty(), &whole), 0.0);
+    }
+
+    #[test]
+    fn copies_count_with_their_leaves() {
+        let pair = cube() | cube().translate([0.0, 0.0, 1.0]);
+        let copies = [0.0, 100.0].map(|x| Affine::translate(Vec3::new(x, 0.0, 0.0)));
+        let placed = pair.place(copies.to_vec());
+        let around = Bounds::new(Vec3::splat(-1.0), Vec3::new(1.0, 1.0, 2.0));
+        // the copy itself, and both leaves: of 2 x 2 + 2 x 3 x 2 each has 12
+        assert!((load(&placed, &around) - (1.0 + 24.0 / 16.0)).abs() < 1e-6, "{}", load(&placed, &around));
+    }
+}
