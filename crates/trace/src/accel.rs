@@ -3,6 +3,7 @@
 //! The box of a leaf is the region where the leaf can matter ([`Program::matters`]): outside of it no
 //! boundary event of the leaf changes a result. Boxes are grown by more than the largest error of any kernel.
 
+use crate::rings::RingTree;
 use rayweave_bvh::{Bvh, FrontToBack, Probe};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::drive::thread_count;
@@ -14,6 +15,8 @@ use rayweave_shape::Ray;
 pub(crate) struct Accel {
     tree: Bvh,
     condition: f64,
+    /// For solids of revolution with many rings: the rings, and a BVH of the other leaves.
+    rings: Option<Box<(RingTree, Bvh)>>,
 }
 
 /// Growth of every box due to the position of the ray's origin and to the transform into the frame of the
@@ -24,13 +27,18 @@ fn ray_margin(origin: Vec3, magnitude: f64) -> f64 {
 
 impl Accel {
     pub fn new(program: &Program, group: &Prototype) -> Accel {
-        let tree = Bvh::of_items(&program.matters(group), thread_count(None).get());
-        Accel { tree, condition: group.condition }
+        let (mut boxes, threads) = (program.matters(group), thread_count(None).get());
+        let tree = Bvh::of_items(&boxes, threads);
+        let rings = RingTree::new(program.rings(group, &boxes, RingTree::MANY)).map(|rings| {
+            rings.leaves().iter().for_each(|&leaf| boxes[leaf as usize] = Bounds::EMPTY);
+            Box::new((rings, Bvh::of_items(&boxes, threads)))
+        });
+        Accel { tree, condition: group.condition, rings }
     }
 
     /// Memory in bytes.
     pub fn bytes(&self) -> usize {
-        self.tree.bytes()
+        self.tree.bytes() + self.rings.as_ref().map_or(0, |rings| rings.0.bytes() + rings.1.bytes())
     }
 
     /// Largest extent of all boxes together.
@@ -47,7 +55,18 @@ impl Accel {
     /// Appends the leaves that the ray can touch within the window.
     pub fn intersected_leaves(&self, ray: &GroupRay<'_>, window: Window, out: &mut Vec<u32>) {
         out.extend_from_slice(self.unbounded());
-        self.tree.intersected_items(&self.probe(ray, window), out);
+        match self.rings.as_deref() {
+            Some((rings, others)) => {
+                let margin = self.condition * ray_margin(ray.ray.origin, ray.magnitude);
+                rings.intersected(&ray.ray, window, margin, out);
+                let (origin, direction) = (ray.ray.origin, ray.ray.direction);
+                others.intersected_items(
+                    &others.probe(origin, direction, margin, [window.t_min(), window.t_max()]),
+                    out,
+                );
+            }
+            None => self.tree.intersected_items(&self.probe(ray, window), out),
+        }
     }
 
     /// The leaves whose box is unbounded: candidates for every ray.

@@ -18,6 +18,7 @@ mod accelerated;
 mod any;
 mod packets;
 mod reference;
+mod rings;
 mod weave;
 
 pub mod single_hit;
