@@ -620,16 +620,10 @@ def lens_cases():
     lens("long line", zmx("SURF " + "1" * 900_000))
     lens("long type", zmx("SURF 0\n  TYPE " + "A" * 900_000))
     lens("empty surfaces", zmx("SURF 1\n" * 140_000))
-    light = ("rayweave = 1\n[solid.ball]\nsphere = { radius = 10 }\n[[region]]\nsolid = 'ball'\n[optics]\ncatalogues = ['m.FILE']\n[optics.medium]\nball = 'X'\n"
+    light = ("rayweave = 1\n[solid.ball]\nsphere = { radius = 10 }\n[[region]]\nsolid = 'ball'\n[optics]\n[optics.medium]\nball = { file = 'm.yml' }\n"
              "[[optics.source]]\nbeam = { circle = 1, rays = 10 }\ntransform = [{ translate = [0, 0, -50] }]\n")
     glass = lambda name, ending, text: case(f"{ending} {name}", ["optics", "m.toml"], {
-        "m.toml": light.replace("FILE", ending) if ending == "agf" else light.replace("catalogues = ['m.FILE']\n", "").replace("'X'", "{ file = 'm.yml' }"), f"m.{ending}": text})
-    glass("glasses", "agf", "CC x\n" + "".join(f"NM {name_of(k)} 2 0 1.5 60 0\nED 1 1 1 0 0\nCD 1 1 1 1 1 1\nTD 0 0 0 0 0 0 20\nOD 1 1 1 1 1 1\nLD 0.3 2\n" for k in range(9_000)))
-    glass("same glass", "agf", "CC x\n" + "NM A 2 0 1.5 60 0\nCD 1 1 1 1 1 1\nLD 0.3 2\n" * 18_000)
-    glass("transmission", "agf", "CC x\nNM X 2 0 1.5 60 0\nCD 1 1 1 1 1 1\nLD 0.3 2\n" + "IT 0.5 0.9 10\n" * 60_000)
-    glass("coefficients", "agf", "CC x\nNM X 2 0 1.5 60 0\nCD " + "1 " * 400_000 + "\n")
-    glass("long name", "agf", "NM " + "X" * 900_000)
-    glass("lines", "agf", "CC\n" * 300_000)
+        "m.toml": light, f"m.{ending}": text})
     glass("deep lists", "yml", "a: " + "[" * 900_000)
     glass("deep mappings", "yml", "".join(" " * k + "a:\n" for k in range(1_300)))
     glass("flow mappings", "yml", "a: " + "{a: " * 200_000)
@@ -643,6 +637,40 @@ def lens_cases():
     glass("block text", "yml", "a: |\n" + " \n" * 400_000)
     glass("dashes", "yml", "- " * 400_000)
     glass("quotes", "yml", 'a: "' + "\\" * 900_000)
+
+# --- questions about detailed models ---
+
+def question_cases():
+    def outline(kind, points, rest):
+        points = ", ".join(f"[{x:.6f}, {y:.6f}]" for x, y in points)
+        return f"rayweave = 1\n[solid.s]\n{kind} = {{ outline = [{points}]{rest} }}\n[[region]]\nsolid = 's'\n"
+
+    def ask(name, file, text, commands=("section", "volume", "check", "info", "thickness", "render", "diff")):
+        more = {"thickness": ["-o", "t.csv", "--size", "100x100", "--view", "iso"], "render": ["-o", "p.png", "--size", "100x100"], "diff": [file]}
+        for command in commands:
+            case(f"ask {command} {name}", [command, file, *more.get(command, [])], {file: text})
+
+    random = __import__("random").Random(2)
+    angle = lambda k, n: (math.cos(2 * math.pi * k / n), math.sin(2 * math.pi * k / n))
+    shapes = {"circle": lambda k: 10, "star": lambda k: 10 + k % 2 * 10, "ragged disc": lambda k: 10 + random.uniform(-0.5, 0.5)}
+    for shape, radius in shapes.items():
+        for n in (15_000, 30_000):
+            points = [(radius(k) * x, radius(k) * y) for k, (x, y) in ((k, angle(k, n)) for k in range(n))]
+            ask(f"extruded {shape} of {n} corners", "m.toml", outline("extrude", points, ", height = 1"))
+            ask(f"revolved {shape} of {n} corners", "m.toml", outline("revolve", [(x + 30, y) for x, y in points], ""))
+    teeth = [(0, -1)] + [(1 + k % 2 * 0.5, k) for k in range(15_000)] + [(0, 15_000)]
+    ask("revolved saw of 15000 corners", "m.toml", outline("revolve", teeth, ""))
+    place = lambda: f"[{random.uniform(-5, 5):.3f}, {random.uniform(-5, 5):.3f}, {random.uniform(-5, 5):.3f}]"
+    for count in (1_000, 5_000):
+        balls = "".join(f"[solid.s{k}]\nsphere = {{ radius = {10 + k * 1e-3:.3f} }}\ntransform = [{{ translate = {place()} }}]\n" for k in range(count))
+        ask(f"{count} regions over each other", "m.toml", "rayweave = 1\n" + balls + "".join(f"[[region]]\nsolid = 's{k}'\n" for k in range(count)))
+        ask(f"union of {count} balls over each other", "m.toml", "rayweave = 1\n" + balls + "[solid.all]\nexpr = '" + " | ".join(f"s{k}" for k in range(count)) + "'\n[[region]]\nsolid = 'all'\n")
+    for name, at in (("in ten places", lambda k: (k % 10, 0, 0)), ("apart", lambda k: (2 * (k % 20), 2 * (k // 20 % 20), 2 * (k // 400)))):
+        nodes = "".join(f'<multiUnionNode name="n{k}"><solid ref="b"/><position x="{at(k)[0]}" y="{at(k)[1]}" z="{at(k)[2]}"/></multiUnionNode>' for k in range(8_000))
+        text = gdml(solids=f'<multiUnion name="m">{nodes}</multiUnion>', structure=volume("v", "m"))
+        text = text.replace('<solidref ref="big"/></volume>', '<solidref ref="big"/>' + physvol("v") + "</volume>")
+        ask(f"multiUnion of 8000 boxes {name}", "m.gdml", text)
+
 
 # --- requests of the command ---
 
@@ -697,7 +725,7 @@ def run(program, arguments, folder):
 
 def main():
     program, words = os.path.abspath(sys.argv[1]), sys.argv[2:]
-    for cases in (gdml_cases, scad_cases, drawing_cases, mesh_cases, toml_cases, lens_cases, request_cases):
+    for cases in (gdml_cases, scad_cases, drawing_cases, mesh_cases, toml_cases, lens_cases, question_cases, request_cases):
         cases()
     failed = []
     for name, arguments, files in CASES:
