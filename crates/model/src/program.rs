@@ -7,7 +7,7 @@ use crate::leaf::LeafTable;
 use crate::simplify::{self, leaf_needs};
 use crate::trail::Trail;
 use crate::{
-    Ball, Expression, Leaf, LeafFacet, LeafId, Place, PlacementId, PrototypeId, RegionId, SurfaceId,
+    Ball, Expression, Face, Leaf, LeafFacet, LeafId, Place, PlacementId, PrototypeId, RegionId, SurfaceId,
 };
 use rayweave_math::{Affine, Bounds, UNIT_ROUNDOFF};
 use rayweave_shape::surface::Surface;
@@ -167,6 +167,11 @@ impl Program {
     pub fn face_name(&self, face: u32) -> String {
         let leaf = self.leaves.leaf_of_facet(face as usize);
         leaf.face_name(face as usize - leaf.first_facet())
+    }
+
+    /// The name of the face that a crossing refers to, e.g. `rim.side`.
+    pub fn name_of(&self, face: &Face) -> String {
+        self.face_name(self.face_number(face.leaf, face.facet))
     }
 
     /// The names of all faces, in the order of their numbers.

@@ -31,6 +31,12 @@ pub struct Rays<'a> {
 }
 
 impl<'a> Rays<'a> {
+    /// Rays from columns of components, such as those of a chunk of a file of rays. All columns must have the same length.
+    pub fn from_columns(origins: &'a [Vec<f64>; 3], directions: &'a [Vec<f64>; 3]) -> Rays<'a> {
+        let slices = |columns: &'a [Vec<f64>; 3]| columns.each_ref().map(Vec::as_slice);
+        Rays { origins: slices(origins), directions: slices(directions) }
+    }
+
     /// A range of the rays.
     pub fn slice(&self, range: Range<usize>) -> Rays<'a> {
         let part = |columns: [&'a [f64]; 3]| columns.map(|column| &column[range.clone()]);

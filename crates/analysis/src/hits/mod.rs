@@ -145,10 +145,7 @@ fn answer<E: Evaluator>(
     scratch: &mut E::Scratch,
     task: Task,
 ) -> Result<Answered, AnalysisError> {
-    let rays = Rays {
-        origins: task.rays.origin.each_ref().map(Vec::as_slice),
-        directions: task.rays.direction.each_ref().map(Vec::as_slice),
-    };
+    let rays = Rays::from_columns(&task.rays.origin, &task.rays.direction);
     let first = task.rays.first;
     evaluator.program().check_rays(rays).map_err(|bad| BadRay { ray: first as usize + bad.ray, ..bad })?;
     let mut rows = table.rows(evaluator.program(), rays, first);
