@@ -6,6 +6,7 @@
 //! - [`diff`](mod@diff): comparison of two models;
 //! - [`distance`](mod@distance): signed distances and nearest boundary points, with bounds;
 //! - [`check`](mod@check): detection of modelling errors;
+//! - [`features`]: the extent of a model, and the diameters and depths of its cylindrical faces;
 //! - [`infill`](mod@infill): parallel traces of a tool over a region of the plane, or the layers of a solid;
 //! - [`hits`]: streaming of ray files into tables of hits;
 //! - [`survey`](mod@survey): chords of random rays in regions, and the thickness of regions; the basis of other
@@ -17,6 +18,7 @@ pub mod check;
 pub mod diff;
 pub mod distance;
 mod error;
+pub mod features;
 pub mod hits;
 pub mod infill;
 pub mod measure;

@@ -46,6 +46,7 @@ use rayweave_error::Message;
 use rayweave_math::Vec3;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::{BadPoint, Program};
+use rayweave_shape::surface::Surface;
 use search::Search;
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
@@ -56,6 +57,12 @@ const POINTS_PER_TASK: usize = 64;
 
 /// The number of nearest surfaces whose feet are tried before the subdivision.
 const NEAREST_SURFACES: usize = 12;
+
+/// The surfaces of a program in the frame of the world, with one copy for each placement; `None` if there are more than a million.
+pub(crate) fn world_surfaces(program: &Program) -> Option<Vec<Surface>> {
+    let (_, surfaces) = tree::Tree::of(program)?;
+    Some(surfaces.into_iter().map(|(surface, _)| surface).collect())
+}
 
 /// The distances of a model.
 #[derive(Clone, Debug)]

@@ -1,0 +1,321 @@
+//! Cylindrical faces: holes, shafts, and rounded edges.
+
+use crate::distance::world_surfaces;
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch};
+use rayweave_shape::Ray;
+use rayweave_shape::surface::{Cylinder, Surface};
+use std::f64::consts::TAU;
+
+/// A circular cylinder, or a part of one, that is a face of a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CylindricalFace {
+    /// The points of the axis at both ends of the face.
+    pub ends: [Vec3; 2],
+    /// The radius.
+    pub radius: f64,
+    /// True if the material is outside, as at a hole; false if it is inside, as at a shaft.
+    pub is_hole: bool,
+    /// The part of the circumference that belongs to the face, 0 to 1, in steps of 1/24.
+    pub share: f64,
+    /// The depth of a hole that ends in the material at one end. It is measured from the plane around the open end, in front of a
+    /// chamfer, to the end of the cylinder.
+    pub depth: Option<f64>,
+}
+
+impl CylindricalFace {
+    /// The unit vector along the axis.
+    pub fn axis(&self) -> Vec3 {
+        (self.ends[1] - self.ends[0]).normalize_or_zero()
+    }
+
+    /// The length along the axis.
+    pub fn length(&self) -> f64 {
+        (self.ends[1] - self.ends[0]).length()
+    }
+
+    /// True if the face goes all the way around.
+    pub fn is_round(&self) -> bool {
+        self.share == 1.0
+    }
+
+    /// True if another face is the same to rounding.
+    fn is_like(&self, other: &CylindricalFace, tolerance: f64) -> bool {
+        let is_near = |a: Vec3, b: Vec3| (a - b).length() < tolerance;
+        let [a, b] = [self.ends, other.ends];
+        (self.radius - other.radius).abs() < tolerance
+            && self.is_hole == other.is_hole
+            && (is_near(a[0], b[0]) && is_near(a[1], b[1]) || is_near(a[0], b[1]) && is_near(a[1], b[0]))
+    }
+}
+
+/// The cylindrical faces of a model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CylindricalFaces {
+    /// The faces, the largest radius first.
+    pub faces: Vec<CylindricalFace>,
+    /// The number of cylinders that were not examined, since there are more than [`MAX_CYLINDERS`](CylindricalFaces::MAX_CYLINDERS).
+    pub left_out: usize,
+}
+
+impl CylindricalFaces {
+    /// The greatest number of cylinders that are examined.
+    pub const MAX_CYLINDERS: usize = 2000;
+}
+
+/// The number of lines along a cylinder, each a pair inside and outside of it.
+const LINES: usize = 24;
+
+/// The distance of the lines from the cylinder in radii, and the least one relative to the size of the model: far above rounding, and
+/// far below the digits of drawings.
+const OFFSET: f64 = 1e-8;
+const LEAST_OFFSET: f64 = 1e-11;
+
+/// Shorter pieces than this, in radii, result from the distance of the lines at slanted ends.
+const SHORT: f64 = 1e-4;
+
+/// Finds the cylindrical faces of a bounded model. Cylinders that a transform has made elliptic are not included.
+///
+/// ```
+/// use rayweave_analysis::features::cylindrical_faces;
+/// use rayweave_math::Vec3;
+/// use rayweave_model::{Program, Solid};
+/// use rayweave_shape::primitive::{CentredBox, Cylinder, Primitive};
+/// use rayweave_trace::Packets;
+/// use std::sync::Arc;
+///
+/// let plate = Solid::from(Primitive::from(CentredBox::new(Vec3::new(40.0, 40.0, 10.0))?));
+/// let drill = Solid::from(Primitive::from(Cylinder::new(3.0, 8.0)?));
+/// // a hole from above, 4 deep
+/// let part = &plate - &drill.translate(Vec3::new(0.0, 0.0, 5.0));
+/// let found = cylindrical_faces(&Packets::new(Arc::new(Program::compile(&part)?)));
+/// let [hole] = &found.faces[..] else { panic!("one face") };
+/// assert!(hole.is_hole && hole.is_round() && hole.radius == 3.0);
+/// assert!((hole.depth.ok_or("open")? - 4.0).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn cylindrical_faces<E: Evaluator>(evaluator: &E) -> CylindricalFaces {
+    let program = evaluator.program();
+    let bounds = program.bounds();
+    if bounds.is_empty() || !bounds.is_finite() {
+        return CylindricalFaces::default();
+    }
+    let surfaces = world_surfaces(program).unwrap_or_default();
+    let cylinders = surfaces.into_iter().filter_map(|surface| match surface {
+        Surface::Cylinder(cylinder) => Some(cylinder),
+        _ => None,
+    });
+    let mut cylinders: Vec<Cylinder> = cylinders.collect();
+    let left_out = cylinders.len().saturating_sub(CylindricalFaces::MAX_CYLINDERS);
+    cylinders.truncate(CylindricalFaces::MAX_CYLINDERS);
+    let tolerance = 1e-7 * bounds.size().max_element();
+    let (mut faces, mut scratch): (Vec<CylindricalFace>, _) = (Vec::new(), evaluator.scratch());
+    for cylinder in &cylinders {
+        let lines = Lines::new(evaluator, cylinder, &bounds, &mut scratch);
+        for face in lines.faces(evaluator, &mut scratch) {
+            if !faces.iter().any(|known| known.is_like(&face, tolerance)) {
+                faces.push(face);
+            }
+        }
+    }
+    faces.sort_by(|a, b| b.radius.total_cmp(&a.radius));
+    CylindricalFaces { faces, left_out }
+}
+
+/// The spans of a line within material.
+#[derive(Clone, Debug, Default)]
+struct Spans {
+    starts_inside: bool,
+    changes: Vec<f64>,
+}
+
+impl Spans {
+    fn is_in(&self, t: f64) -> bool {
+        self.starts_inside ^ (self.changes.partition_point(|&change| change <= t) % 2 == 1)
+    }
+
+    /// The first change after t.
+    fn next(&self, t: f64) -> Option<f64> {
+        self.changes.get(self.changes.partition_point(|&change| change <= t)).copied()
+    }
+}
+
+/// Pairs of lines along a cylinder.
+struct Lines<'a> {
+    cylinder: &'a Cylinder,
+    /// The point of the axis at t = 0.
+    base: Vec3,
+    across: [Vec3; 2],
+    /// For each angle, the spans inside and outside of the cylinder.
+    pairs: Vec<[Spans; 2]>,
+}
+
+/// A piece of a line along which a cylinder separates material from space.
+#[derive(Clone, Copy)]
+struct Stretch {
+    line: usize,
+    from: f64,
+    to: f64,
+    is_hole: bool,
+}
+
+impl<'a> Lines<'a> {
+    fn new<E: Evaluator>(
+        evaluator: &E,
+        cylinder: &'a Cylinder,
+        bounds: &Bounds,
+        scratch: &mut E::Scratch,
+    ) -> Lines<'a> {
+        let axis = cylinder.axis;
+        let base = cylinder.point + axis * axis.dot(bounds.centre() - cylinder.point);
+        let flat =
+            [0, 1, 2].into_iter().min_by(|&a, &b| axis[a].abs().total_cmp(&axis[b].abs())).unwrap_or(0);
+        let first = (Vec3::AXES[flat] - axis * axis[flat]).normalize_or_zero();
+        let mut lines = Lines { cylinder, base, across: [first, axis.cross(first)], pairs: Vec::new() };
+        let offset = (OFFSET * cylinder.radius).max(LEAST_OFFSET * bounds.size().length());
+        let radii = [cylinder.radius - offset, cylinder.radius + offset];
+        let places: Vec<(usize, f64)> =
+            (0..LINES).flat_map(|line| radii.map(|radius| (line, radius))).collect();
+        let spans = lines.spans(evaluator, &places, scratch);
+        let pair = |pair: &[Spans]| [pair[0].clone(), pair[1].clone()];
+        lines.pairs = spans.chunks_exact(2).map(pair).collect();
+        lines
+    }
+
+    /// The spans of lines at angles and distances from the axis.
+    fn spans<E: Evaluator>(
+        &self,
+        evaluator: &E,
+        places: &[(usize, f64)],
+        scratch: &mut E::Scratch,
+    ) -> Vec<Spans> {
+        let program = evaluator.program();
+        let is_in = |region| program.medium_of(region) != 0;
+        let mut batch = RayBatch::default();
+        for &(line, radius) in places {
+            // beside the axes of the model, where seams and corners are likely
+            let angle = TAU * (line as f64 + 0.37) / LINES as f64;
+            let out = libm::cos(angle) * self.across[0] + libm::sin(angle) * self.across[1];
+            batch.push(Ray::new(self.base + radius * out, self.cylinder.axis));
+        }
+        let mut found = vec![Spans::default(); places.len()];
+        let mut sink = |answer: RayAnswer<'_>| {
+            let changes = answer.crossings.iter().filter(|c| is_in(c.before) != is_in(c.after));
+            let changes = changes.map(|crossing| crossing.t).collect();
+            found[answer.ray] = Spans { starts_inside: is_in(answer.start), changes };
+        };
+        evaluator.crossings(batch.rays(), &Query::default(), scratch, &mut sink);
+        found
+    }
+
+    fn faces<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Vec<CylindricalFace> {
+        let mut stretches: Vec<Stretch> = (0..LINES).flat_map(|line| self.stretches(line)).collect();
+        stretches.sort_by(|a, b| a.is_hole.cmp(&b.is_hole).then(a.from.total_cmp(&b.from)));
+        let mut groups: Vec<Vec<Stretch>> = Vec::new();
+        let mut end = f64::NEG_INFINITY;
+        for stretch in stretches {
+            match groups.last_mut() {
+                Some(group) if group[0].is_hole == stretch.is_hole && stretch.from < end => {
+                    end = end.max(stretch.to);
+                    group.push(stretch);
+                }
+                _ => {
+                    end = stretch.to;
+                    groups.push(vec![stretch]);
+                }
+            }
+        }
+        groups.iter().map(|group| self.face(group, evaluator, scratch)).collect()
+    }
+
+    fn face<E: Evaluator>(
+        &self,
+        group: &[Stretch],
+        evaluator: &E,
+        scratch: &mut E::Scratch,
+    ) -> CylindricalFace {
+        let from = group.iter().map(|stretch| stretch.from).fold(f64::INFINITY, f64::min);
+        let to = group.iter().map(|stretch| stretch.to).fold(f64::NEG_INFINITY, f64::max);
+        let mut is_there = [false; LINES];
+        group.iter().for_each(|stretch| is_there[stretch.line] = true);
+        let count = is_there.iter().filter(|is| **is).count();
+        let is_hole = group[0].is_hole;
+        let beyond = SHORT * self.cylinder.radius;
+        // most of the lines inside end in material
+        let is_closed = |at: &dyn Fn(&Stretch) -> f64| {
+            let closed = group.iter().filter(|stretch| self.pairs[stretch.line][0].is_in(at(stretch)));
+            2 * closed.count() > group.len()
+        };
+        let closed = [is_closed(&|stretch| stretch.from - beyond), is_closed(&|stretch| stretch.to + beyond)];
+        let depth = match (is_hole, closed) {
+            (true, [false, true]) => Some(to - self.opening(group[0].line, from, -1.0, evaluator, scratch)),
+            (true, [true, false]) => Some(self.opening(group[0].line, to, 1.0, evaluator, scratch) - from),
+            _ => None,
+        };
+        let axis = self.cylinder.axis;
+        CylindricalFace {
+            ends: [self.base + from * axis, self.base + to * axis],
+            radius: self.cylinder.radius,
+            is_hole,
+            share: count as f64 / LINES as f64,
+            depth,
+        }
+    }
+
+    /// The pieces of a line with material on one side only.
+    fn stretches(&self, line: usize) -> Vec<Stretch> {
+        let [inner, outer] = &self.pairs[line];
+        let mut ends: Vec<f64> = inner.changes.iter().chain(&outer.changes).copied().collect();
+        ends.sort_by(f64::total_cmp);
+        let least = SHORT * self.cylinder.radius;
+        let mut found: Vec<Stretch> = Vec::new();
+        for pair in ends.windows(2).filter(|pair| pair[1] - pair[0] > least) {
+            let middle = 0.5 * (pair[0] + pair[1]);
+            let [is_in, is_out] = [inner, outer].map(|spans| spans.is_in(middle));
+            if is_in == is_out {
+                continue;
+            }
+            let is_hole = is_out;
+            match found.last_mut() {
+                Some(last) if last.is_hole == is_hole && pair[0] - last.to <= least => last.to = pair[1],
+                _ => found.push(Stretch { line, from: pair[0], to: pair[1], is_hole }),
+            }
+        }
+        found
+    }
+
+    /// The position of the plane around the open end of a hole: the end itself, or that of the face beyond a chamfer.
+    fn opening<E: Evaluator>(
+        &self,
+        line: usize,
+        end: f64,
+        sign: f64,
+        evaluator: &E,
+        scratch: &mut E::Scratch,
+    ) -> f64 {
+        /// Lines farther and farther outside: a chamfer is at most twice as wide as the hole.
+        const RADII: usize = 40;
+        let radius = self.cylinder.radius;
+        let places: Vec<(usize, f64)> =
+            (1..=RADII).map(|k| (line, radius * (1.0 + 0.05 * k as f64))).collect();
+        let within = end - sign * SHORT * radius;
+        let exit = |spans: &Spans| {
+            let after = if sign > 0.0 { spans.next(within) } else { spans.before(within) };
+            after.filter(|_| spans.is_in(within))
+        };
+        let exits: Vec<Option<f64>> =
+            self.spans(evaluator, &places, scratch).iter().map(exit).take_while(Option::is_some).collect();
+        let exits: Vec<f64> = exits.into_iter().flatten().collect();
+        let is_flat = |pair: &&[f64]| (pair[1] - pair[0]).abs() < 1e-9 * radius;
+        let flat = exits.windows(2).find(is_flat).map(|pair| pair[0]);
+        flat.filter(|flat| sign * (flat - end) > 0.0).unwrap_or(end)
+    }
+}
+
+impl Spans {
+    /// The last change before t.
+    fn before(&self, t: f64) -> Option<f64> {
+        let count = self.changes.partition_point(|&change| change < t);
+        count.checked_sub(1).map(|k| self.changes[k])
+    }
+}

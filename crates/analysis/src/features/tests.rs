@@ -1,0 +1,106 @@
+//! Extents and cylinders by closed forms.
+
+use super::*;
+use rayweave_math::Vec3;
+use rayweave_scene::Compiled;
+use rayweave_trace::AnyEvaluator;
+
+fn evaluator(text: &str) -> AnyEvaluator {
+    let (_, scene) = rayweave_scene::parse(&format!("rayweave = 1\n{text}")).unwrap();
+    AnyEvaluator::new(None, Compiled::new(&scene).unwrap().program).unwrap()
+}
+
+/// Diameter, share, is_hole and depth of the faces.
+fn found(text: &str) -> Vec<(f64, f64, bool, Option<f64>)> {
+    let faces = cylindrical_faces(&evaluator(text)).faces;
+    let rounded = |x: f64| (x * 1e6).round() / 1e6;
+    faces
+        .iter()
+        .map(|f| (rounded(2.0 * f.radius), rounded(f.share), f.is_hole, f.depth.map(rounded)))
+        .collect()
+}
+
+/// A flange with a hub, a bore through it, and eight holes on a circle, with a chamfer of the bore.
+#[test]
+fn a_flange_has_a_rim_a_hub_a_bore_and_holes() {
+    let text = "[solid.disc]\ncylinder = { radius = 60, height = 12 }\n[solid.hub]\ncylinder = { radius = 25, height = 40 }\n\
+        transform = { translate = [0, 0, 14] }\n[solid.bore]\ncylinder = { radius = 15 }\n[solid.hole]\ncylinder = { radius = 4.5 }\n\
+        [solid.holes]\nplace = { solid = \"hole\", ring = 8, radius = 47.5 }\n\
+        [solid.flange]\nexpr = \"(disc | hub) - bore - holes\"\n[[region]]\nsolid = \"flange\"";
+    let all = found(text);
+    assert_eq!(all[..3], [(120.0, 1.0, false, None), (50.0, 1.0, false, None), (30.0, 1.0, true, None)]);
+    assert_eq!(all[3..], vec![(9.0, 1.0, true, None); 8]);
+    let faces = cylindrical_faces(&evaluator(text)).faces;
+    for (face, length) in faces.iter().zip([12.0, 28.0, 40.0, 12.0]) {
+        assert!((face.length() - length).abs() < 1e-9 && face.axis().z.abs() > 0.999_999, "{face:?}");
+    }
+    for hole in &faces[3..] {
+        assert!((libm::hypot(hole.ends[0].x, hole.ends[0].y) - 47.5).abs() < 1e-9);
+    }
+}
+
+/// A blind hole with a cone at its end and a chamfer at its opening: its depth begins at the plane around the opening.
+#[test]
+fn depths_are_measured_from_the_plane_around_a_hole() {
+    let blind = |chamfer: &str| {
+        format!(
+            "[solid.block]\nbox_from_corners = {{ lo = [0, 0, 0], hi = [30, 30, 20] }}\n\
+             [solid.drill]\ncylinder = {{ radius = 2.5, height = 12 }}\ntransform = {{ translate = [12, 11, 14] }}\n\
+             [solid.tip]\ncone = {{ radius1 = 0, radius2 = 2.5, height = 1.5 }}\ntransform = {{ translate = [12, 11, 7.25] }}\n\
+             {chamfer}"
+        )
+    };
+    let plain = blind("[solid.part]\nexpr = \"block - (drill | tip)\"\n[[region]]\nsolid = \"part\"");
+    assert_eq!(found(&plain), [(5.0, 1.0, true, Some(12.0))]);
+    let chamfered = blind(
+        "[solid.sink]\ncone = { radius1 = 2.5, radius2 = 3.5, height = 1 }\ntransform = { translate = [12, 11, 19.5] }\n\
+         [solid.part]\nexpr = \"block - (drill | tip | sink)\"\n[[region]]\nsolid = \"part\"",
+    );
+    assert_eq!(found(&chamfered), [(5.0, 1.0, true, Some(12.0))]);
+}
+
+/// A counterbore ends at a shoulder: it is a hole with a bottom, and the hole in its bottom goes through.
+#[test]
+fn counterbores_have_a_depth() {
+    let text = "[solid.block]\nbox_from_corners = { lo = [0, 0, 0], hi = [30, 30, 20] }\n\
+        [solid.bolt]\ncylinder = { radius = 3.3 }\ntransform = { translate = [12, 11, 0] }\n\
+        [solid.head]\ncylinder = { radius = 5.5, height = 12 }\ntransform = { translate = [12, 11, 20] }\n\
+        [solid.part]\nexpr = \"block - bolt - head\"\ntransform = [{ rotate_x = 30 }, { rotate_y = 40 }, { rotate_z = 50 }]\n[[region]]\nsolid = \"part\"";
+    assert_eq!(found(text), [(11.0, 1.0, true, Some(6.0)), (6.6, 1.0, true, None)]);
+}
+
+/// The corners of an extruded outline are quarters of cylinders, outside; the ends of a slot are half cylinders.
+#[test]
+fn fillets_are_parts_of_cylinders() {
+    let text = "[solid.plate.extrude]\nheight = 5\noutline = [{ at = [0, 0], fillet = 4 }, { at = [30, 0], fillet = 4 }, \
+                { at = [30, 20], fillet = 4 }, { at = [0, 20], fillet = 4 }]\n[[region]]\nsolid = \"plate\"";
+    assert_eq!(found(text), vec![(8.0, 0.25, false, None); 4]);
+}
+
+#[test]
+fn cylinders_that_are_no_faces_are_not_reported() {
+    // inside another body, and beside it
+    let text = "[solid.block]\nbox = { size = 20 }\n[solid.core]\ncylinder = { radius = 3, height = 10 }\n\
+        [solid.far]\ncylinder = { radius = 2 }\ntransform = { translate = [40, 0, 0] }\n\
+        [solid.part]\nexpr = \"(block | core) - far\"\n[[region]]\nsolid = \"part\"";
+    assert_eq!(found(text), []);
+    assert_eq!(found("[solid.rod]\ncylinder = { radius = 3 }"), []);
+}
+
+#[test]
+fn extents_are_those_of_the_model_not_of_its_box() {
+    let cut = "[solid.a]\nsphere = { radius = 5 }\n[solid.b]\nsphere = { radius = 5 }\ntransform = { translate = [8, 0, 0] }\n\
+        [solid.lens]\nexpr = \"a & b\"\n[[region]]\nsolid = \"lens\"";
+    let found = extent(&evaluator(cut)).unwrap();
+    let half = Vec3::new(1.0, 3.0, 3.0);
+    assert!((found.bounds.centre() - Vec3::new(4.0, 0.0, 0.0)).length() < 1e-9, "{found:?}");
+    assert!((0.5 * found.bounds.size() - half).abs().max_element() < 1e-8, "{found:?}");
+    let cube = extent(&evaluator("[solid.a]\nbox = { size = [2, 3, 4] }")).unwrap();
+    assert!(cube.is_exact && cube.bounds.size() == Vec3::new(2.0, 3.0, 4.0), "{cube:?}");
+    // the apex of a cone, and the turned corner of a box
+    let cone = extent(&evaluator("[solid.a]\ncone = { radius1 = 3, radius2 = 0, height = 7 }")).unwrap();
+    assert!((cone.bounds.hi.z - 3.5).abs() < 1e-9, "{cone:?}");
+    let turned = "[solid.a]\nbox = { size = 2 }\ntransform = [{ rotate_z = 45 }]";
+    assert!((extent(&evaluator(turned)).unwrap().bounds.hi.x - 2f64.sqrt()).abs() < 1e-9);
+    assert_eq!(extent(&evaluator("[solid.rod]\ncylinder = { radius = 3 }")), None);
+}
