@@ -28,6 +28,10 @@ pub enum FindingKind {
     Gap,
     /// An optical property, surface or sensor is probably wrong.
     Optical,
+    /// A region consists of separate pieces: a note, not a fault.
+    Loose,
+    /// A region has a closed cavity: a note, not a fault.
+    Cavity,
     /// Two regions touch: a note, not a fault.
     Touch,
     /// An optical property or surface has no effect: a note, not a fault.
@@ -36,7 +40,7 @@ pub enum FindingKind {
 
 impl FindingKind {
     /// All kinds with their names.
-    pub const ALL: [(FindingKind, &'static str); 11] = [
+    pub const ALL: [(FindingKind, &'static str); 13] = [
         (FindingKind::Overlap, "overlap"),
         (FindingKind::Outside, "outside"),
         (FindingKind::Hidden, "hidden"),
@@ -46,13 +50,16 @@ impl FindingKind {
         (FindingKind::Thin, "thin"),
         (FindingKind::Gap, "gap"),
         (FindingKind::Optical, "optical"),
+        (FindingKind::Loose, "loose"),
+        (FindingKind::Cavity, "cavity"),
         (FindingKind::Touch, "touch"),
         (FindingKind::Unused, "unused"),
     ];
 
     /// True for notes, which are not faults.
     pub fn is_note(self) -> bool {
-        matches!(self, FindingKind::Touch | FindingKind::Unused)
+        use FindingKind::{Cavity, Loose, Touch, Unused};
+        matches!(self, Loose | Cavity | Touch | Unused)
     }
 
     /// The name.

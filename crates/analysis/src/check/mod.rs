@@ -20,6 +20,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod connected;
+#[cfg(test)]
+mod connected_tests;
 mod finding;
 mod hierarchy;
 mod narrow;

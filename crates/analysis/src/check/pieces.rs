@@ -1,5 +1,6 @@
 //! Checks with rays through the whole model: thin walls, gaps, contacts, hidden regions.
 
+use super::connected;
 use super::narrow::{Narrow, SEARCHED};
 use super::probe::{FEW, Probe, leaves_of, rays_of};
 use super::subject::Subject;
@@ -134,6 +135,10 @@ pub fn findings<E: Evaluator>(
         if !seen.regions.contains(&RegionId::from(region + 1)) {
             found.extend(unseen(subject, region, &evaluator, probe)?);
         }
+    }
+    if subject.hierarchy.is_none() {
+        let names: Vec<&str> = (0..subject.regions.len()).map(|region| subject.name(region)).collect();
+        found.extend(connected::findings(&names, &evaluator, probe)?);
     }
     Ok(found)
 }

@@ -1,0 +1,484 @@
+//! Separate pieces of regions, and closed cavities.
+//!
+//! Rays parallel to the axes through a grid divide every region, and the space around all of them, into chords. Two chords belong to
+//! one piece if they cross each other, or if a straight line within the region joins them. What remains apart is connected, if at all,
+//! only where no ray of the grid and none of those lines passes: by a bridge or an opening thinner than the distance of the rays.
+
+use super::probe::Probe;
+use super::{Finding, FindingKind};
+use crate::AnalysisError;
+use crate::error::Cancelled;
+use crate::measure::MeasuredChord;
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::{Crossing, Evaluator, Face, Query, RayAnswer, RayBatch, RegionId};
+use rayweave_shape::Ray;
+use std::collections::BTreeMap;
+
+/// Models with more regions are not examined: in detectors, separate pieces are the usual case.
+const MAX_REGIONS: usize = 32;
+
+/// The greatest number of rays along each side of the grid.
+const MAX_ACROSS: usize = 96;
+
+/// The position of the rays within their cells: off the planes of symmetry of a model.
+const WITHIN: f64 = 0.5173;
+
+/// Pieces with fewer chords are not reported: rounding may make them.
+const LEAST_CHORDS: usize = 3;
+
+/// The greatest number of pieces of a region that straight lines try to join, and of rays between the chords of the space and of the
+/// regions: beyond them nothing is reported.
+const MAX_PIECES: usize = 200;
+const MAX_RAYS: u64 = 1 << 17;
+
+/// Halvings of the distance between two chords of a thin wall.
+const HALVINGS: usize = 6;
+
+/// The number of chords of a piece, and of chords near each of them, that are tried to be joined by straight lines.
+const TRIED: usize = 12;
+
+/// A part of a ray within one region.
+#[derive(Clone, Copy, Debug)]
+struct Chord {
+    ray: Ray,
+    region: RegionId,
+    /// The faces at both ends; `None` at the ends of the grid.
+    faces: [Option<Face>; 2],
+    from: f64,
+    to: f64,
+    /// The region before the chord.
+    before: RegionId,
+    /// The area that the ray represents.
+    area: f64,
+}
+
+impl Chord {
+    fn middle(&self) -> Vec3 {
+        self.ray.at(0.5 * (self.from + self.to))
+    }
+
+    fn length(&self) -> f64 {
+        self.to - self.from
+    }
+
+    /// True if both chords lie between the same two faces, as in a thin wall.
+    fn has_faces_of(&self, other: &Chord) -> bool {
+        self.region == other.region && self.faces == other.faces && self.faces[0].is_some()
+    }
+
+    fn measured(&self) -> MeasuredChord {
+        MeasuredChord { from: self.ray.at(self.from), to: self.ray.at(self.to) }
+    }
+}
+
+/// Sets of connected chords.
+struct Sets(Vec<u32>);
+
+impl Sets {
+    fn of(&mut self, mut node: u32) -> u32 {
+        while self.0[node as usize] != node {
+            // halve the path
+            self.0[node as usize] = self.0[self.0[node as usize] as usize];
+            node = self.0[node as usize];
+        }
+        node
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.of(a), self.of(b));
+        // the lower number represents the set, whatever the order
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}
+
+/// The chords of a grid of rays along the three axes.
+struct Chords<'a, E: Evaluator> {
+    evaluator: &'a E,
+    scratch: E::Scratch,
+    frame: Bounds,
+    across: usize,
+    chords: Vec<Chord>,
+    /// The chords of each ray: the one along axis a through cell (i, j) of the next two axes has the number (a n + j) n + i.
+    first: Vec<u32>,
+    sets: Sets,
+    rays: u64,
+    /// The number of rays at which a search gives up.
+    limit: u64,
+}
+
+/// Findings about pieces and cavities of the regions with these names.
+pub fn findings<E: Evaluator>(
+    names: &[&str],
+    evaluator: &E,
+    probe: &mut Probe<'_, E>,
+) -> Result<Vec<Finding>, AnalysisError> {
+    if names.len() > MAX_REGIONS || probe.frame.is_empty() || !probe.frame.is_finite() {
+        return Ok(Vec::new());
+    }
+    let across = (probe.settings.across as usize).min(MAX_ACROSS);
+    // the outermost cells are outside of the model
+    let margin = 1.5 * probe.frame.size() / across as f64;
+    let frame = Bounds { lo: probe.frame.lo - margin, hi: probe.frame.hi + margin };
+    let mut found = Chords {
+        evaluator,
+        scratch: evaluator.scratch(),
+        frame,
+        across,
+        chords: Vec::new(),
+        first: vec![0],
+        sets: Sets(Vec::new()),
+        rays: 0,
+        limit: 0,
+    };
+    found.trace();
+    found.join_at_crossings();
+    let mut all = Vec::new();
+    // the space around the regions first: a region whose pieces need too many rays does not hide a cavity
+    for is_space in [true, false] {
+        if probe.settings.cancel.is_cancelled() {
+            return Err(Cancelled.into());
+        }
+        let limit = found.rays + MAX_RAYS;
+        found.limit = limit;
+        found.join_neighbours(is_space);
+        found.join_by_lines(is_space);
+        if found.rays <= limit {
+            all.extend(found.findings(names, is_space));
+        }
+    }
+    probe.scope.rays += found.rays;
+    Ok(all)
+}
+
+impl<E: Evaluator> Chords<'_, E> {
+    fn step(&self, axis: usize) -> f64 {
+        self.frame.size()[axis] / self.across as f64
+    }
+
+    fn place(&self, axis: usize, cell: usize) -> f64 {
+        self.frame.lo[axis] + self.step(axis) * (cell as f64 + WITHIN)
+    }
+
+    /// Traces the rays of the grid.
+    fn trace(&mut self) {
+        let n = self.across;
+        for axis in 0..3 {
+            let [u, v] = [1, 2].map(|k| (axis + k) % 3);
+            for row in 0..n {
+                let rays = (0..n).map(|column| {
+                    let mut origin = self.frame.lo;
+                    origin[u] = self.place(u, column);
+                    origin[v] = self.place(v, row);
+                    Ray::new(origin, Vec3::AXES[axis])
+                });
+                let rays: Vec<Ray> = rays.collect();
+                let area = self.step(u) * self.step(v);
+                for chords in self.along(&rays, area, [0.0, self.frame.size()[axis]]) {
+                    self.chords.extend(chords);
+                    self.first.push(self.chords.len() as u32);
+                }
+            }
+        }
+        self.sets = Sets((0..self.chords.len() as u32).collect());
+        // all of the space that reaches the ends of the grid is outside
+        let is_outside =
+            |chord: &Chord| chord.region == RegionId(0) && chord.faces.iter().any(Option::is_none);
+        let outside: Vec<u32> =
+            (0..self.chords.len() as u32).filter(|&k| is_outside(&self.chords[k as usize])).collect();
+        outside.windows(2).for_each(|pair| self.sets.join(pair[0], pair[1]));
+    }
+
+    /// The chords of rays between two times.
+    fn along(&mut self, rays: &[Ray], area: f64, [lo, hi]: [f64; 2]) -> Vec<Vec<Chord>> {
+        self.rays += rays.len() as u64;
+        let batch = RayBatch::from_iter(rays.iter().copied());
+        let mut all = vec![Vec::new(); rays.len()];
+        let mut sink = |answer: RayAnswer<'_>| {
+            let ray = rays[answer.ray];
+            let inner: Vec<&Crossing> = answer.crossings.iter().filter(|c| lo < c.t && c.t < hi).collect();
+            let started = answer.crossings.iter().take_while(|c| c.t <= lo).last();
+            let mut region = started.map_or(answer.start, |crossing| crossing.after);
+            let (mut from, mut face, mut before) = (lo, None, region);
+            let mut add = |region, faces, from, to, before| {
+                all[answer.ray].push(Chord { ray, region, faces, from, to, before, area });
+            };
+            for crossing in inner {
+                add(region, [face, Some(crossing.face)], from, crossing.t, before);
+                before = region;
+                (region, from, face) = (crossing.after, crossing.t, Some(crossing.face));
+            }
+            add(region, [face, None], from, hi, before);
+        };
+        self.evaluator.crossings(batch.rays(), &Query::default(), &mut self.scratch, &mut sink);
+        all
+    }
+
+    fn ray_number(&self, axis: usize, column: usize, row: usize) -> usize {
+        (axis * self.across + row) * self.across + column
+    }
+
+    /// The chord of a ray of the grid that contains a time.
+    fn chord_at(&self, ray: usize, t: f64) -> Option<u32> {
+        let [first, last] = [self.first[ray], self.first[ray + 1]];
+        let own = &self.chords[first as usize..last as usize];
+        let k = own.partition_point(|chord| chord.to <= t);
+        own.get(k).filter(|chord| chord.from < t).map(|_| first + k as u32)
+    }
+
+    /// Joins chords that cross each other at points of the grid.
+    fn join_at_crossings(&mut self) {
+        let n = self.across;
+        for row in 0..n {
+            for column in 0..n {
+                // the ray along z through x cell `column` and y cell `row`
+                let ray = self.ray_number(2, column, row);
+                for own in self.first[ray]..self.first[ray + 1] {
+                    let chord = self.chords[own as usize];
+                    let cell = |t: f64| (t / self.step(2) - WITHIN).ceil().max(0.0) as usize;
+                    for k in cell(chord.from)..cell(chord.to).min(n) {
+                        let along_x = self.ray_number(0, row, k);
+                        let along_y = self.ray_number(1, k, column);
+                        let [x, y] = [(0, column), (1, row)]
+                            .map(|(axis, cell)| self.step(axis) * (cell as f64 + WITHIN));
+                        for other in
+                            [self.chord_at(along_x, x), self.chord_at(along_y, y)].into_iter().flatten()
+                        {
+                            // rounding may put a point on the other side of a face
+                            if self.chords[other as usize].region == chord.region {
+                                self.sets.join(own, other);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Joins chords of neighbouring rays by lines between them.
+    fn join_neighbours(&mut self, is_space: bool) {
+        let n = self.across;
+        for axis in 0..3 {
+            for row in 0..n {
+                for column in 0..n {
+                    let ray = self.ray_number(axis, column, row);
+                    let right = (column + 1 < n).then(|| self.ray_number(axis, column + 1, row));
+                    let up = (row + 1 < n).then(|| self.ray_number(axis, column, row + 1));
+                    for other in [right, up].into_iter().flatten() {
+                        self.join_rays(ray, other, is_space);
+                    }
+                }
+            }
+        }
+    }
+
+    fn join_rays(&mut self, ray: usize, other: usize, is_space: bool) {
+        for a in self.first[ray]..self.first[ray + 1] {
+            for b in self.first[other]..self.first[other + 1] {
+                let [one, two] = [a, b].map(|k| self.chords[k as usize]);
+                let is_own = one.region == two.region && (one.region == RegionId(0)) == is_space;
+                let may_join = is_own && (overlaps(&one, &two) || one.has_faces_of(&two));
+                if may_join && self.sets.of(a) != self.sets.of(b) && self.are_joined(&one, &two, HALVINGS) {
+                    self.sets.join(a, b);
+                }
+            }
+        }
+    }
+
+    /// True if a line within the region joins two chords of parallel rays, or a sequence of lines through chords between them.
+    fn are_joined(&mut self, one: &Chord, two: &Chord, halvings: usize) -> bool {
+        if overlaps(one, two) {
+            let (from, to) = (one.from.max(two.from), one.to.min(two.to));
+            return [0.5, 0.25, 0.75].into_iter().any(|part| {
+                let t = from + part * (to - from);
+                self.is_within(one.ray.at(t), two.ray.at(t), one.region)
+            });
+        }
+        if halvings == 0 || !one.has_faces_of(two) || self.rays > self.limit {
+            return false;
+        }
+        let origin = 0.5 * (one.ray.origin + two.ray.origin);
+        let middle = Ray::new(origin, one.ray.direction);
+        let (lo, hi) = (one.from.min(two.from), one.to.max(two.to));
+        // the chord between may begin or end beyond both, and others of the same faces are farther away
+        let ends = [lo - (hi - lo), hi + (hi - lo)];
+        let off = |own: &Chord| (own.from + own.to - lo - hi).abs();
+        let own = self.along(&[middle], one.area, ends).into_iter().flatten();
+        let own = own.filter(|own| own.has_faces_of(one));
+        let between = own.min_by(|a, b| off(a).total_cmp(&off(b)));
+        between.is_some_and(|between| {
+            self.are_joined(one, &between, halvings - 1) && self.are_joined(&between, two, halvings - 1)
+        })
+    }
+
+    /// True if the line between two points stays in a region.
+    fn is_within(&mut self, from: Vec3, to: Vec3, region: RegionId) -> bool {
+        self.rays += 1;
+        let batch = RayBatch::from_iter([Ray::new(from, to - from)]);
+        let mut is_within = false;
+        let mut sink = |answer: RayAnswer<'_>| {
+            let before = answer.crossings.iter().take_while(|crossing| crossing.t <= 0.0).last();
+            let start = before.map_or(answer.start, |crossing| crossing.after);
+            is_within = start == region && !answer.crossings.iter().any(|c| 0.0 < c.t && c.t < 1.0);
+        };
+        self.evaluator.crossings(batch.rays(), &Query::default(), &mut self.scratch, &mut sink);
+        is_within
+    }
+
+    /// The chords of each set of the space or of the regions, the largest volume first. Regions with too many sets are left out.
+    fn pieces(&mut self, is_space: bool) -> BTreeMap<RegionId, Vec<Vec<u32>>> {
+        let mut by_set: BTreeMap<(RegionId, u32), Vec<u32>> = BTreeMap::new();
+        for k in 0..self.chords.len() as u32 {
+            if (self.chords[k as usize].region == RegionId(0)) != is_space {
+                continue;
+            }
+            by_set.entry((self.chords[k as usize].region, self.sets.of(k))).or_default().push(k);
+        }
+        let mut pieces: BTreeMap<RegionId, Vec<Vec<u32>>> = BTreeMap::new();
+        for ((region, _), chords) in by_set {
+            pieces.entry(region).or_default().push(chords);
+        }
+        pieces.retain(|_, own| own.len() <= MAX_PIECES);
+        for own in pieces.values_mut() {
+            own.sort_by(|a, b| self.volume(b).total_cmp(&self.volume(a)).then(a.cmp(b)));
+        }
+        pieces
+    }
+
+    /// Joins sets by straight lines between their chords, and by chords along other axes through the middles of their chords.
+    fn join_by_lines(&mut self, is_space: bool) {
+        for sets in self.pieces(is_space).into_values() {
+            for small in sets.iter().skip(1) {
+                self.join_piece(small, &sets);
+            }
+        }
+    }
+
+    fn join_piece(&mut self, small: &[u32], sets: &[Vec<u32>]) {
+        let longest = |chords: &[u32], chords_of: &[Chord]| {
+            let mut sorted = chords.to_vec();
+            sorted.sort_by(|&a, &b| {
+                chords_of[b as usize].length().total_cmp(&chords_of[a as usize].length()).then(a.cmp(&b))
+            });
+            sorted.truncate(TRIED);
+            sorted
+        };
+        for own in longest(small, &self.chords) {
+            self.join_across(own);
+            let chord = self.chords[own as usize];
+            let middle = chord.middle();
+            let mut others: Vec<(f64, u32)> = Vec::new();
+            for &other in sets.iter().flatten() {
+                if self.sets.of(other) != self.sets.of(own) {
+                    others.push(((self.chords[other as usize].middle() - middle).length(), other));
+                }
+            }
+            others.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            for (_, other) in others.into_iter().take(TRIED) {
+                if self.sets.of(other) != self.sets.of(own)
+                    && self.is_within(middle, self.chords[other as usize].middle(), chord.region)
+                {
+                    self.sets.join(own, other);
+                }
+            }
+        }
+    }
+
+    /// Joins a chord with those of the nearest rays along the other axes, by a ray through its middle.
+    fn join_across(&mut self, own: u32) {
+        let (chord, n) = (self.chords[own as usize], self.across);
+        let middle = chord.middle();
+        for axis in (0..3).filter(|&axis| chord.ray.direction[axis] == 0.0) {
+            let [u, v] = [1, 2].map(|k| (axis + k) % 3);
+            let mut origin = middle;
+            origin[axis] = self.frame.lo[axis];
+            let size = self.frame.size()[axis];
+            let through = self.along(&[Ray::new(origin, Vec3::AXES[axis])], chord.area, [0.0, size]);
+            let at = middle[axis] - self.frame.lo[axis];
+            let Some(through) = through.into_iter().flatten().find(|c| c.from < at && at < c.to) else {
+                continue;
+            };
+            if through.region != chord.region {
+                continue;
+            }
+            let cells = [u, v].map(|k| ((middle[k] - self.frame.lo[k]) / self.step(k) - WITHIN).floor());
+            for (right, up) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+                let [column, row] = [cells[0] + right, cells[1] + up];
+                if column < 0.0 || row < 0.0 || column >= n as f64 || row >= n as f64 {
+                    continue;
+                }
+                let ray = self.ray_number(axis, column as usize, row as usize);
+                for other in self.first[ray]..self.first[ray + 1] {
+                    let two = self.chords[other as usize];
+                    let may_join = two.region == chord.region
+                        && (overlaps(&through, &two) || through.has_faces_of(&two));
+                    if may_join
+                        && self.sets.of(other) != self.sets.of(own)
+                        && self.are_joined(&through, &two, HALVINGS)
+                    {
+                        self.sets.join(own, other);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The volume that chords represent: each of the three directions of rays covers it once.
+    fn volume(&self, chords: &[u32]) -> f64 {
+        let of = |&k: &u32| self.chords[k as usize].length() * self.chords[k as usize].area;
+        chords.iter().map(of).sum::<f64>() / 3.0
+    }
+
+    fn findings(&mut self, names: &[&str], is_space: bool) -> Vec<Finding> {
+        let mut found = Vec::new();
+        for (region, mut sets) in self.pieces(is_space) {
+            sets.retain(|chords| chords.len() >= LEAST_CHORDS);
+            match region.index().checked_sub(1).and_then(|k| names.get(k)) {
+                Some(name) if sets.len() > 1 => found.push(self.loose(name, &sets)),
+                Some(_) => {}
+                None => {
+                    let is_open = |chords: &Vec<u32>| {
+                        let mut ends = chords.iter().flat_map(|&k| self.chords[k as usize].faces);
+                        ends.any(|face| face.is_none())
+                    };
+                    let closed: Vec<Vec<u32>> = sets.into_iter().filter(|chords| !is_open(chords)).collect();
+                    found.extend(closed.iter().map(|chords| self.cavity(names, chords)));
+                }
+            }
+        }
+        found
+    }
+
+    /// The longest chord of a piece.
+    fn longest(&self, chords: &[u32]) -> Chord {
+        let all = chords.iter().map(|&k| self.chords[k as usize]);
+        let longest = all.reduce(|best, next| if next.length() > best.length() { next } else { best });
+        longest.unwrap_or_else(|| unreachable!("a piece has chords"))
+    }
+
+    fn loose(&self, name: &str, sets: &[Vec<u32>]) -> Finding {
+        let smallest = &sets[sets.len() - 1];
+        let volume = rayweave_math::round_to_digits(self.volume(smallest), 2);
+        let text = format!(
+            "{name} consists of {} separate pieces; the smallest has a volume of about {volume}",
+            sets.len()
+        );
+        let chord = self.longest(smallest);
+        let finding = Finding::new(FindingKind::Loose, &[name], text);
+        Finding { at: Some(chord.middle()), ray: Some(chord.measured()), ..finding }
+    }
+
+    fn cavity(&self, names: &[&str], chords: &[u32]) -> Finding {
+        let chord = self.longest(chords);
+        let around = chord.before.index().checked_sub(1).and_then(|k| names.get(k)).copied();
+        let volume = rayweave_math::round_to_digits(self.volume(chords), 2);
+        let name = around.unwrap_or("the model");
+        let text = format!("{name} has a closed cavity with a volume of about {volume}");
+        let finding = Finding::new(FindingKind::Cavity, around.as_slice(), text);
+        Finding { at: Some(chord.middle()), ray: Some(chord.measured()), ..finding }
+    }
+}
+
+/// True if two chords of parallel rays overlap along the rays.
+fn overlaps(one: &Chord, two: &Chord) -> bool {
+    one.from.max(two.from) < one.to.min(two.to)
+}
