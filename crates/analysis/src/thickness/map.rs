@@ -40,6 +40,8 @@ pub struct ThicknessMap {
     /// The number of the first row in the whole picture.
     first_row: usize,
     media: Vec<String>,
+    /// The names of the materials of `media`, which are different if these are regions.
+    materials: Vec<String>,
     lengths: PathLengths,
 }
 
@@ -111,7 +113,19 @@ impl ThicknessMap {
         )?;
         let ray = |k: usize| ray(k % width, rows.start + k / width);
         let lengths = path_lengths(evaluator, media.len(), width * height, ray, run)?;
-        Ok(ThicknessMap { size: [width, height], first_row: rows.start, media, lengths })
+        let materials = media.clone();
+        Ok(ThicknessMap { size: [width, height], first_row: rows.start, media, materials, lengths })
+    }
+
+    /// The map of a scene that was compiled [by region](Compiled::by_region): each region has the attenuation and density of its
+    /// medium.
+    #[must_use]
+    pub fn of_regions(mut self, scene: &Scene) -> ThicknessMap {
+        let names = scene.regions.iter().map(|region| scene.media.get(region.medium as usize));
+        let world = scene.media.first().map_or(String::new(), |medium| medium.name.clone());
+        let names = names.map(|medium| medium.map_or(String::new(), |medium| medium.name.clone()));
+        self.materials = std::iter::once(world).chain(names).collect();
+        self
     }
 
     /// Width and height in pixels.
@@ -180,7 +194,7 @@ impl ThicknessMap {
             let medium = scene.media.iter().find(|medium| medium.name == *name)?;
             medium.number(key)
         };
-        let said: Vec<Option<f64>> = self.media.iter().map(of).collect();
+        let said: Vec<Option<f64>> = self.materials.iter().map(of).collect();
         let any = said.iter().any(Option::is_some);
         any.then(|| said.into_iter().map(Option::unwrap_or_default).collect())
     }
@@ -251,6 +265,28 @@ mod tests {
             ThicknessMap::new(&compiled, &evaluator, [41, 41], ray, &mut ThicknessRun::default()).unwrap(),
             scene,
         )
+    }
+
+    /// Two regions of water, one behind the other, have a column each, and the attenuation of water.
+    #[test]
+    fn maps_by_region_have_the_materials_of_the_regions() {
+        let (_, scene) = rayweave_scene::parse(
+            "rayweave = 1\n[solid.a]\nbox = { size = 4 }\n[solid.b]\nbox = { size = 2 }\ntransform = { translate = [0, 9, 0] }\n\
+             [[region]]\nsolid = \"a\"\nmedium = \"water\"\n[[region]]\nsolid = \"b\"\nmedium = \"water\"\n[medium.water]\nattenuation = 0.1",
+        )
+        .unwrap();
+        let compiled = Compiled::by_region(&scene).unwrap();
+        let evaluator = AnyEvaluator::new(None, compiled.program.clone()).unwrap();
+        let ray = |_, _| Ray::new(Vec3::new(0.0, -9.0, 0.0), Vec3::Y);
+        let map =
+            ThicknessMap::new(&compiled, &evaluator, [1, 1], ray, &mut ThicknessRun::default()).unwrap();
+        let map = map.of_regions(&scene);
+        assert_eq!(map.media(), ["world", "a", "b"]);
+        assert_eq!(
+            (map.lengths(0, 0), map.attenuations(&scene)),
+            (&[6.0, 4.0, 2.0][..], vec![0.0, 0.1, 0.1])
+        );
+        assert!((map.line_integrals(&scene)[0] - 0.6).abs() < 1e-12);
     }
 
     #[test]

@@ -12,8 +12,9 @@ pub use attenuation::check_attenuations;
 pub use map::{FAINTEST, MAX_LENGTHS, ThicknessMap, transmitted};
 
 use crate::error::AnalysisError;
+use rayweave_error::Message;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
-use rayweave_model::{BadRay, Evaluator, Query, RayAnswer, RayBatch, RegionId};
+use rayweave_model::{BadRay, Evaluator, Program, Query, RayAnswer, RayBatch, RegionId, Window};
 use rayweave_shape::Ray;
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -30,6 +31,8 @@ pub struct ThicknessRun<'a> {
     pub cancel: Cancel,
     /// Callback with the number of finished rays, on the calling thread.
     pub progress: Option<&'a mut dyn FnMut(usize)>,
+    /// The part of each ray that counts, in units of its direction; by default the whole line.
+    pub window: Window,
 }
 
 /// The path lengths of rays through media.
@@ -67,12 +70,33 @@ impl PathLengths {
     }
 }
 
-/// Computes the path lengths of `count` rays, as whole lines, through the first `media` media.
+/// Computes the path lengths of `count` rays through all media; `media` is their number, with the world:
+/// `compiled.media.len()` for a scene.
 ///
-/// `ray` returns ray k. Lengths are in model units, independent of the lengths of directions.
+/// `ray` returns ray k, of which the part in [`ThicknessRun::window`] counts. Lengths are in model units, independent of the lengths
+/// of directions. With [`Compiled::by_region`](rayweave_scene::Compiled::by_region) each region is a medium of its own.
+///
+/// ```
+/// use rayweave_analysis::thickness::{ThicknessRun, path_lengths};
+/// use rayweave_math::Vec3;
+/// use rayweave_model::Window;
+/// use rayweave_scene::Compiled;
+/// use rayweave_shape::Ray;
+/// use rayweave_trace::Packets;
+///
+/// let (_, scene) = rayweave_scene::parse("rayweave = 1\n[solid.ball]\nsphere = { radius = 2 }")?;
+/// let compiled = Compiled::new(&scene)?;
+/// let packets = Packets::new(compiled.program.clone());
+/// // from a source in the middle, half of the whole line
+/// let ray = |_| Ray::new(Vec3::ZERO, Vec3::X);
+/// let mut run = ThicknessRun { window: Window::new(0.0, f64::INFINITY)?, ..ThicknessRun::default() };
+/// assert_eq!(path_lengths(&packets, compiled.media.len(), 1, ray, &mut run)?.of(0), [0.0, 2.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 ///
+/// [`AnalysisError::Value`] if a region has a medium of the number `media` or above, whose lengths would be lost;
 /// [`AnalysisError::Ray`] for the first ray that does not pass [`Program::check_rays`](rayweave_model::Program::check_rays);
 /// [`AnalysisError::Cancelled`].
 pub fn path_lengths<E: Evaluator>(
@@ -82,7 +106,8 @@ pub fn path_lengths<E: Evaluator>(
     ray: impl Fn(usize) -> Ray + Sync,
     run: &mut ThicknessRun<'_>,
 ) -> Result<PathLengths, AnalysisError> {
-    let media = media.max(1);
+    check_media(evaluator.program(), media)?;
+    let (media, window) = (media.max(1), run.window);
     let mut values = Vec::with_capacity(count * media);
     let tasks = (0..count).step_by(RAYS_PER_TASK).map(|first| first..count.min(first + RAYS_PER_TASK));
     let scratch = || (evaluator.scratch(), RayBatch::default());
@@ -95,9 +120,9 @@ pub fn path_lengths<E: Evaluator>(
         let mut sink = |answer: RayAnswer<'_>| {
             let speed = rays.get(answer.ray).direction.length();
             let own = &mut lengths[answer.ray * media..(answer.ray + 1) * media];
-            add(evaluator, &answer, speed, own);
+            add(evaluator, &answer, (window, speed), own);
         };
-        evaluator.crossings(rays, &Query::default(), scratch, &mut sink);
+        evaluator.crossings(rays, &Query { window, ..Query::default() }, scratch, &mut sink);
         Ok(lengths)
     };
     let progress = &mut run.progress;
@@ -117,21 +142,41 @@ pub fn path_lengths<E: Evaluator>(
     Ok(PathLengths { media, values })
 }
 
-fn add<E: Evaluator>(evaluator: &E, answer: &RayAnswer<'_>, speed: f64, lengths: &mut [f64]) {
+/// Rejects a number of media that leaves out the medium of a region.
+fn check_media(program: &Program, media: usize) -> Result<(), AnalysisError> {
+    let largest = program.regions().iter().max_by_key(|region| region.medium);
+    match largest.filter(|region| region.medium as usize >= media.max(1)) {
+        None => Ok(()),
+        Some(region) => {
+            let problem = format!("the number of media is {media}");
+            let reason = format!("the region '{}' has the medium {}", region.name, region.medium);
+            let message =
+                Message::new(problem, reason).suggest(format!("Pass at least {}", region.medium + 1));
+            Err(AnalysisError::Value(message))
+        }
+    }
+}
+
+fn add<E: Evaluator>(
+    evaluator: &E,
+    answer: &RayAnswer<'_>,
+    (window, speed): (Window, f64),
+    lengths: &mut [f64],
+) {
     let program = evaluator.program();
     let mut piece = |region: RegionId, from: f64, to: f64| {
-        let is_open = from == f64::NEG_INFINITY || to == f64::INFINITY;
+        let is_open = from == window.t_min() || to == window.t_max();
         let slot = lengths.get_mut(program.medium_of(region) as usize);
         if let Some(length) = slot.filter(|_| region != RegionId(0) || !is_open) {
             *length += (to - from) * speed;
         }
     };
-    let (mut region, mut from) = (answer.start, f64::NEG_INFINITY);
+    let (mut region, mut from) = (answer.start, window.t_min());
     for crossing in answer.crossings {
         piece(region, from, crossing.t);
         (region, from) = (crossing.after, crossing.t);
     }
-    piece(region, from, f64::INFINITY);
+    piece(region, from, window.t_max());
 }
 
 #[cfg(test)]
@@ -170,9 +215,38 @@ mod tests {
             assert!(found.of(k).iter().zip(expected).all(is_near), "{k}: {:?}", found.of(k));
         }
         assert_eq!((found.len(), found.media(), found.is_empty()), (4, 4, false));
-        // media beyond the requested number are omitted
-        let fewer = path_lengths(&tracer(), 2, 4, ray, &mut ThicknessRun::default()).unwrap();
-        assert_eq!(fewer.of(0), &found.of(0)[..2]);
+    }
+
+    #[test]
+    fn a_number_of_media_that_loses_some_is_an_error() {
+        let ray = |_| Ray::new(Vec3::new(-10.0, 0.0, 0.0), Vec3::X);
+        for media in [0, 2, 3] {
+            let error = path_lengths(&tracer(), media, 1, ray, &mut ThicknessRun::default()).unwrap_err();
+            let expected = format!(
+                "the number of media is {media}: the region 'floor' has the medium 3. Pass at least 4."
+            );
+            assert_eq!(error.to_string(), expected);
+        }
+        let more = path_lengths(&tracer(), 6, 1, ray, &mut ThicknessRun::default()).unwrap();
+        assert_eq!(more.of(0), [3.0, 3.0, 1.0, 0.0, 0.0, 0.0]);
+    }
+
+    /// From within the ball to within the second cube, with a direction of length 4: 0.25 of the ball, 0.5 of the cube around it, 3 of
+    /// the world between them, 1.5 of the second cube. Outside of all, the world of a window counts only between crossings.
+    #[test]
+    fn windows_limit_the_rays() {
+        let run =
+            |from, to| ThicknessRun { window: Window::new(from, to).unwrap(), ..ThicknessRun::default() };
+        let ray = |_| Ray::new(Vec3::new(0.25, 0.0, 0.0), Vec3::X * 4.0);
+        let found = path_lengths(&tracer(), 4, 1, ray, &mut run(0.0, 5.25 / 4.0)).unwrap();
+        for (own, expected) in found.of(0).iter().zip([3.0, 2.0, 0.25, 0.0]) {
+            assert!((own - expected).abs() < 1e-12, "{found:?}");
+        }
+        let before = path_lengths(&tracer(), 4, 1, ray, &mut run(0.5, 0.75)).unwrap();
+        assert_eq!(before.of(0), [0.0; 4]);
+        // a window within one medium, without crossings
+        let within = path_lengths(&tracer(), 4, 1, ray, &mut run(-0.125, 0.0625)).unwrap();
+        assert_eq!(within.of(0), [0.0, 0.0, 0.75, 0.0]);
     }
 
     /// For parallel lines, the mean chord of a convex body is its volume over the area of its projection.
@@ -190,20 +264,20 @@ mod tests {
             progress: Some(&mut progress),
             ..ThicknessRun::default()
         };
-        let found = path_lengths(&tracer(), 3, n * n, ray, &mut run).unwrap();
+        let found = path_lengths(&tracer(), 4, n * n, ray, &mut run).unwrap();
         let alone = ThicknessRun { threads: NonZeroUsize::new(1), ..ThicknessRun::default() };
-        assert_eq!(found, path_lengths(&tracer(), 3, n * n, ray, &mut { alone }).unwrap());
+        assert_eq!(found, path_lengths(&tracer(), 4, n * n, ray, &mut { alone }).unwrap());
         assert_eq!(reported, n * n);
         let ball: f64 = (0..n * n).map(|k| found.of(k)[2]).sum::<f64>() * 4.0 / (n * n) as f64;
         assert!((ball - std::f64::consts::PI / 6.0).abs() < 1e-3, "{ball}");
         let cancel = Cancel::new();
         cancel.cancel();
         let stopped =
-            path_lengths(&tracer(), 3, 9, ray, &mut ThicknessRun { cancel, ..ThicknessRun::default() });
+            path_lengths(&tracer(), 4, 9, ray, &mut ThicknessRun { cancel, ..ThicknessRun::default() });
         assert!(matches!(stopped, Err(AnalysisError::Cancelled(Cancelled))));
         // the second task begins at ray 4096
         let far = |k: usize| Ray::new(Vec3::new(if k == 5000 { 1e101 } else { 9.0 }, 0.0, 0.0), Vec3::NEG_X);
-        let refused = path_lengths(&tracer(), 3, 9000, far, &mut ThicknessRun::default());
+        let refused = path_lengths(&tracer(), 4, 9000, far, &mut ThicknessRun::default());
         assert!(matches!(refused, Err(AnalysisError::Ray(BadRay { ray: 5000, .. }))));
     }
 }

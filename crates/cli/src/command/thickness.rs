@@ -92,6 +92,7 @@ impl Thickness {
             threads: global.threads,
             cancel: interrupt::token(),
             progress: Some(&mut progress),
+            ..ThicknessRun::default()
         };
         let ray = |x: usize, y: usize| camera.ray(size, x as f64 + 0.5, y as f64 + 0.5);
         let map = ThicknessMap::of_rows(&compiled, &evaluator, size.width(), rows, ray, &mut run);
