@@ -7,9 +7,11 @@ use super::{
 };
 use crate::AnalysisError;
 use crate::error::maker;
+use crate::features::extent_of;
 use crate::subject::subject;
 use rayweave_error::Classified;
-use rayweave_model::{Evaluator, Program};
+use rayweave_math::Bounds;
+use rayweave_model::{Evaluator, Program, RegionId};
 use rayweave_scene::Scene;
 use std::ops::Range;
 use std::sync::Arc;
@@ -37,7 +39,13 @@ pub struct RegionReport {
     pub exact_volume: Option<f64>,
     /// The mass in grams, if the medium has a `density` (in g/cm^3).
     pub mass: Option<Estimate>,
+    /// The box around the region, which it reaches on all sides: see [`extent`](fn@crate::features::extent). `None` for an empty region,
+    /// in models of more than [`MAX_BOXES`] regions, and if the measurement is restricted to a box.
+    pub bounds: Option<Bounds>,
 }
+
+/// The number of regions up to which their boxes are computed.
+pub const MAX_BOXES: usize = 32;
 
 /// Measures the regions of a scene, or one of its solids alone. `make` creates the evaluator of a program;
 /// `progress` receives the number of rays so far.
@@ -60,6 +68,7 @@ pub struct RegionReport {
 /// assert!(ball.measured.volume.contains(volume) && ball.measured.volume.half_width < 1e-3 * volume);
 /// assert_eq!(ball.exact_volume, Some(volume));
 /// // grams: the density of a medium is in g/cm^3
+/// assert_eq!(ball.bounds.unwrap().hi.to_array(), [2.0; 3]);
 /// assert!((ball.mass.unwrap().value / volume - 2.51).abs() < 0.003);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -145,9 +154,13 @@ fn measured_scene<E: Evaluator, X: Classified + Send + Sync + 'static>(
         let density = medium.and_then(|medium| medium.number("density"));
         let centimetres = scene.unit.metres() * 100.0;
         let mass = density.map(|density| grams(measured.volume, density, centimetres));
+        let has_box = regions.len() <= MAX_BOXES && settings.within.is_none();
+        let own = RegionId::from(k + 1);
+        let bounds = has_box.then(|| extent_of(&evaluator, boxes[k], &|region| region == own)).flatten();
         RegionReport {
             exact_volume,
             mass,
+            bounds: bounds.map(|extent| extent.bounds),
             medium: medium.map_or_else(String::new, |m| m.name.clone()),
             measured,
         }

@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Measure volume, mass, centre, inertia and surface area of every region, with confidence intervals
+/// Measure volume, mass, centre, inertia, surface area and bounds of every region, with confidence intervals
 ///
 /// Traces stratified rays until the volume of each region reaches the requested precision, or --rays rays. A region excludes the parts that later
 /// regions own; --solid measures a solid alone. The mass, in grams, needs a density (in g/cm^3) in the table of the medium. The
@@ -202,7 +202,9 @@ impl Volume {
         let mut header = vec!["region", "medium", "volume"];
         header.extend(has_formula.then_some("by formula"));
         header.extend(has_mass.then_some("mass (g)"));
+        let has_box = report.regions.iter().any(|region| region.bounds.is_some());
         header.extend(["area", "centre"]);
+        header.extend(has_box.then_some("bounds"));
         let rows = report.regions.iter().map(|region| {
             let measured = &region.measured;
             let mut row =
@@ -214,6 +216,10 @@ impl Volume {
                 interval::text(&measured.area),
                 centre.map_or_else(String::new, |c| format!("({c})")),
             ]);
+            let corner =
+                |p: rayweave::Vec3| terminal::short_point(p.to_array().map(|x| terminal::rounded(x, 9)));
+            let bounds = region.bounds.map(|own| format!("{} to {}", corner(own.lo), corner(own.hi)));
+            row.extend(has_box.then(|| bounds.unwrap_or_default()));
             row
         });
         let rows: Vec<Vec<String>> = rows.collect();
@@ -263,6 +269,7 @@ fn region_json(region: &RegionReport) -> Value {
         "medium": region.medium,
         "volume": interval::json(&measured.volume),
         "volume_by_formula": region.exact_volume,
+        "bounds": region.bounds.map(|own| [own.lo.to_array(), own.hi.to_array()]),
         "mass_g": region.mass.as_ref().map(interval::json),
         "area": interval::json(&measured.area),
         "centre": measured.centre.as_ref().map(row),
