@@ -28,6 +28,7 @@ pub struct Optimiser<'a> {
     goals: Vec<Goal>,
     rings: usize,
     evaluation_limit: usize,
+    aims: bool,
 }
 
 /// The result of an optimisation.
@@ -68,7 +69,14 @@ impl<'a> Optimiser<'a> {
     /// An optimiser that starts from a prescription, with 6 rings of rays in the pupil
     /// ([`PupilQuadrature::gaussian`]).
     pub fn new(lens: &'a Prescription) -> Optimiser<'a> {
-        Optimiser { lens, parameters: Vec::new(), goals: Vec::new(), rings: RINGS, evaluation_limit: 100 }
+        Optimiser {
+            lens,
+            parameters: Vec::new(),
+            goals: Vec::new(),
+            rings: RINGS,
+            evaluation_limit: 100,
+            aims: false,
+        }
     }
 
     /// Adds a parameter to vary. Decentres and tilts cannot be varied.
@@ -86,6 +94,12 @@ impl<'a> Optimiser<'a> {
     /// Sets the number of rings of rays in the pupil.
     pub fn rings(self, rings: usize) -> Optimiser<'a> {
         Optimiser { rings, ..self }
+    }
+
+    /// Aims rays at the stop: points of the pupil become points of the stop, as for
+    /// [`Study::aimed`](crate::analysis::Study::aimed). Needed for wide fields; each evaluation takes several times as long.
+    pub fn aimed(self) -> Optimiser<'a> {
+        Optimiser { aims: true, ..self }
     }
 
     /// Limits the evaluations to `evaluation_limit` times the number of parameters plus one; the default is 100.
@@ -186,7 +200,8 @@ impl Task<'_> {
     fn variant(&self, at: &DVector<f64>) -> Result<Variant, DesignError> {
         let parameters = self.optimiser.parameters.iter().copied();
         let changes = parameters.zip(at.iter().zip(&self.scales).map(|(at, scale)| at * scale));
-        Variant::new(self.optimiser.lens, &changes.collect::<Vec<_>>())
+        let variant = Variant::new(self.optimiser.lens, &changes.collect::<Vec<_>>())?;
+        Ok(Variant { aims: self.optimiser.aims, ..variant })
     }
 
     /// The values of all goals; `None` if a ray that they need does not arrive.

@@ -30,6 +30,8 @@ pub(super) struct Variant {
     pub resolved: Resolved,
     /// True if rays end beyond the stated semi-diameter of a surface.
     pub vignettes: bool,
+    /// True if rays go through points of the stop instead of the entrance pupil.
+    pub aims: bool,
 }
 
 impl Variant {
@@ -43,7 +45,7 @@ impl Variant {
         if let Some(poses) = poses(&resolved, changes) {
             resolved.poses = poses;
         }
-        Ok(Variant { lens, resolved, vignettes: false })
+        Ok(Variant { lens, resolved, vignettes: false, aims: false })
     }
 
     /// First-order data at a wavelength, without decentres and tilts.
@@ -60,9 +62,16 @@ impl Variant {
         pupil: &PupilQuadrature,
     ) -> Result<Vec<Arrival>, DesignError> {
         let launch = self.lens.launch(&self.resolved, field)?;
+        let aim = self.aims.then(|| self.lens.aim(&self.resolved, field, wavelength_nm)).transpose()?;
+        let ray = |point| match &aim {
+            Some(aim) => aim.ray(point),
+            None => Ok(launch.ray(point)),
+        };
         let mut found = Vec::with_capacity(pupil.points.len());
         for (id, (&point, &power)) in pupil.points.iter().zip(&pupil.weights).enumerate() {
-            match self.lens.follow_resolved(&self.resolved, &launch.ray(point), wavelength_nm) {
+            let followed =
+                ray(point).and_then(|ray| self.lens.follow_resolved(&self.resolved, &ray, wavelength_nm));
+            match followed {
                 Ok(passes) if self.vignettes && !self.passes(&passes) => {}
                 Ok(passes) => {
                     let arrival = |last| Arrival {

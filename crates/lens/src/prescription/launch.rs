@@ -80,7 +80,7 @@ impl Prescription {
         let resolved = self.resolved()?;
         let aim = self.aim(&resolved, field, wavelength_nm)?;
         let light = |&target: &[f64; 2]| {
-            let ray = aim.launch.ray(aim.pupil_of(target)?);
+            let ray = aim.ray(target)?;
             Ok(Light { ray, ..Light::new([0.0; 3], [0.0; 3], wavelength_nm) })
         };
         stop.iter().map(light).collect()
@@ -101,7 +101,7 @@ impl Prescription {
     }
 
     /// Ray aiming for a field.
-    fn aim<'a>(
+    pub(crate) fn aim<'a>(
         &'a self,
         resolved: &'a Resolved,
         field: usize,
@@ -172,7 +172,7 @@ impl Prescription {
 
 /// Ray aiming: the search for rays through points of the stop.
 #[derive(Clone, Copy)]
-struct Aim<'a> {
+pub(crate) struct Aim<'a> {
     lens: &'a Prescription,
     resolved: &'a Resolved,
     /// The coordinates of the field.
@@ -193,6 +193,11 @@ const MIN_STEP: f64 = 1e-3;
 const MIN_STRIDE: f64 = 1.0 / 256.0;
 
 impl Aim<'_> {
+    /// The ray through a point of the stop.
+    pub(crate) fn ray(&self, target: [f64; 2]) -> Result<Ray, PrescriptionError> {
+        Ok(self.launch.ray(self.pupil_of(target)?))
+    }
+
     /// The pupil point whose ray goes through a point of the stop: by Newton's method from the paraxial pupil
     /// or, if that does not converge, step by step from the axis to the field.
     fn pupil_of(&self, target: [f64; 2]) -> Result<[f64; 2], PrescriptionError> {

@@ -2,10 +2,11 @@
 
 use crate::lenses::{D_NM, cassegrain, doublet, index, near, triplet};
 use rayweave_lens::analysis::{
-    Arrival, LensAnalysisError, Spot, Study, Wavefront, ZernikePolynomial, arrivals, best_focus,
-    encircled_energy, encircled_energy_radius, fan_x, fan_y, fit_zernike, geometric_mtf, hexapolar, square,
-    through_focus,
+    Arrival, LensAnalysisError, PupilQuadrature, Spot, Study, Wavefront, ZernikePolynomial, arrivals,
+    best_focus, encircled_energy, encircled_energy_radius, fan_x, fan_y, fit_zernike, geometric_mtf,
+    hexapolar, square, through_focus,
 };
+use rayweave_lens::design::{Goal, Operand, Optimiser};
 use rayweave_lens::paraxial::Seidel;
 use rayweave_lens::prescription::{Behind, CoordinateBreak, Prescription, Surface};
 use rayweave_math::{Affine, Vec3};
@@ -426,6 +427,39 @@ fn rays_that_have_to_be_aimed_are_not_traced_unaimed() {
     }
     // the triplet has little pupil aberration
     assert!(study(&triplet(), |study| study.wavefront(1, D_NM, &points).is_ok()));
+}
+
+/// The RMS radius of the aimed rays of a field, traced through the solids, with the weights of Gaussian quadrature.
+fn aimed_spot(lens: &Prescription, field: usize) -> f64 {
+    let PupilQuadrature { points, weights } = PupilQuadrature::gaussian(6);
+    let layout = lens.assembly().unwrap();
+    let system = layout.assembly.compile().unwrap();
+    let tracer = Tracer::new(&system, Packets::new);
+    let rays = Study::new(lens, &layout, &tracer).aimed().arrivals(field, D_NM, &points).unwrap();
+    assert_eq!(rays.len(), points.len());
+    let sum =
+        |of: &dyn Fn(Vec3) -> f64| rays.iter().map(|ray| weights[ray.id] * of(ray.position)).sum::<f64>();
+    let centroid = Vec3::new(sum(&|p| p.x), sum(&|p| p.y), 0.0) / sum(&|_| 1.0);
+    (sum(&|p| (p - centroid).length_squared()) / sum(&|_| 1.0)).sqrt()
+}
+
+/// The spot that an optimiser reports for aimed rays is that of the solids, and the smallest one.
+#[test]
+fn wide_fields_are_optimised_with_aimed_rays() {
+    let lens = wide_angle();
+    let goal = Goal::equal(Operand::Spot { field: 2, wavelength_nm: Some(D_NM) }, 0.0);
+    let optimiser = Optimiser::new(&lens).vary("thickness 5".parse().unwrap()).goal(goal);
+    let found = optimiser.clone().aimed().run().unwrap();
+    let [before, after] = found.goals[0].values;
+    assert!((before / aimed_spot(&lens, 2) - 1.0).abs() < 1e-9, "{before}");
+    assert!((after / aimed_spot(&found.lens, 2) - 1.0).abs() < 1e-9 && after < before, "{found:?}");
+    for step in [-0.05, 0.05] {
+        let mut beside = found.lens.clone();
+        beside.surfaces[4].thickness += step;
+        assert!(aimed_spot(&beside, 2) > after);
+    }
+    // through the paraxial pupil there is no light, or light of another part of the stop
+    assert!(optimiser.run().map_or(true, |other| (other.goals[0].values[0] / before - 1.0).abs() > 0.01));
 }
 
 #[test]
