@@ -39,7 +39,11 @@ pub fn draw(svg: &mut Svg, entries: &[Entry], from: f64, width: f64) -> f64 {
         let fill = format!(r#" fill="{colour}""#);
         match swatch {
             Swatch::Line => svg.rectangle("swatch", [x, y - 5.5, 16.0, 2.5], &fill),
-            Swatch::Area => svg.rectangle("swatch", [x, y - 9.5, 16.0, 11.0], &fill),
+            // an outline, since the paper may have the colour of the area
+            Swatch::Area => {
+                let outlined = format!(r##"{fill} stroke="#8d97a3" stroke-width="0.6""##);
+                svg.rectangle("swatch", [x, y - 9.5, 16.0, 11.0], &outlined);
+            }
             Swatch::Mark => svg.circle("mark", [x + 8.0, y - 4.0], 3.0, ""),
         }
         svg.text("tick", [x + 22.0, y], Anchor::Start, name, name);

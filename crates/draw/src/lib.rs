@@ -7,6 +7,7 @@
 //! | spot diagrams and maps of irradiance | [`detector`] |
 //! | time lines of rays | [`Timeline`], [`ray_timeline`] |
 //! | cross-sections, as SVG and DXF | [`section`] |
+//! | technical drawings: views with dimensions | [`technical`] |
 //! | infill | [`InfillPicture`] |
 //!
 //! [`svg`] writes the few elements that all drawings share; [`axis`] maps values to positions and formats numbers.
@@ -16,6 +17,8 @@
 
 pub mod axis;
 pub mod detector;
+mod dimension;
+mod edges;
 mod error;
 mod infill;
 pub mod layout;
@@ -24,8 +27,10 @@ pub mod picture;
 mod plan;
 pub mod section;
 pub mod svg;
+pub mod technical;
 mod timeline;
 
+pub use edges::{EdgeView, visible_edges};
 pub use error::DrawError;
 pub use infill::InfillPicture;
 pub use timeline::{Timeline, TimelineError, ray_timeline};

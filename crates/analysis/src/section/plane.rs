@@ -181,6 +181,18 @@ impl SectionPlane {
 }
 
 impl SectionPlane {
+    /// Like [`fmt::Display`], with digits down to a millionth of a coordinate along an axis: for pictures.
+    pub fn short(&self) -> String {
+        match self.form {
+            Form::Axis(axis) => {
+                let resolution = 1e-6 * self.offset.abs().max(1e-300);
+                let place = rayweave_math::format_to_resolution(self.offset, resolution);
+                format!("{} = {place}", ["x", "y", "z"][axis])
+            }
+            Form::Oblique { .. } => self.to_string(),
+        }
+    }
+
     /// Like [`fmt::Display`], with few digits for a coordinate along an axis: for adjacent labels.
     pub fn label(&self) -> String {
         match self.form {
@@ -267,6 +279,7 @@ mod tests {
             assert!(text.parse::<SectionPlane>().unwrap_err().to_string().contains("as z=2.5"), "{text}");
         }
         assert_eq!(SectionPlane::across(1, 6.0 - 4.0 * 1.2).unwrap().to_string(), "y = 1.2");
+        assert_eq!(SectionPlane::across(2, 2.204_715_791_100_2).unwrap().short(), "z = 2.204716");
         let slanted = SectionPlane::new(Vec3::ONE, Vec3::new(0.0, 0.0, -4.0)).unwrap();
         assert_eq!(slanted.at(3.0).unwrap().to_string(), "through (1, 1, -2), normal (0, 0, -1)");
         for (point, normal) in

@@ -32,7 +32,8 @@ pub use sheet::{PictureSheet, PlacedPicture, SheetKind, WholeModel};
 
 use crate::DrawError;
 use rayweave_error::Message;
-use rayweave_model::{Evaluator, RegionId, RegionInfo, memory};
+use rayweave_math::{Affine, Mat3, Vec3};
+use rayweave_model::{Evaluator, Program, Region, RegionId, RegionInfo, memory};
 use rayweave_render::{
     Background, Camera, IdKind, Image, Light, LightKind, Lines, PixelGrid, Projection, RenderError,
     RenderOptions, Rgba, Run, Size, Style, View, depth, ids, normals, png, region_colour, render,
@@ -230,12 +231,49 @@ fn camera(
     let program = &compiled.program;
     let fitted = match (options.view, &scene.camera, options.field_of_view) {
         (None, Some(camera), None) => return own_camera(camera),
-        (Some(view), _, None) => return Ok(view.fit(program, size)),
+        (Some(view), _, None) => return Ok(fitted(view, scene, program, size)),
         (view, _, degrees) => {
             view.unwrap_or_default().fit_perspective(program, size, degrees.unwrap_or(FIELD_OF_VIEW))
         }
     };
     Ok(fitted?)
+}
+
+/// The greatest number of leaves and placements of a model that is compiled again for the frame of a picture.
+const MAX_LEAVES: u64 = 20_000;
+
+/// The camera of a view without perspective. The view at a slant is fitted to the box along the axes of the picture: the projection
+/// of the box along the axes of the model is much larger than a round model.
+pub(super) fn fitted(view: View, scene: &Scene, program: &Program, size: Size) -> Camera {
+    let loose = view.fit(program, size);
+    match view {
+        View::Iso => framed(&loose, scene, program, size).unwrap_or(loose),
+        _ => loose,
+    }
+}
+
+fn framed(camera: &Camera, scene: &Scene, program: &Program, size: Size) -> Option<Camera> {
+    let placements = program.prototypes().first().map_or(1, |group| u64::from(group.placements));
+    if program.leaves().len() as u64 + placements > MAX_LEAVES {
+        return None;
+    }
+    let (right, up, back) = (camera.right(), camera.up(), -camera.forward());
+    let to_picture = Affine { linear: Mat3::from_cols(right, up, back).transpose(), translation: Vec3::ZERO };
+    let turned = scene
+        .model_regions()
+        .into_iter()
+        .map(|region| Region { solid: region.solid.apply(to_picture), ..region });
+    let bounds = Program::compile_regions(&turned.collect::<Vec<_>>()).ok()?.bounds();
+    let extent = bounds.size();
+    if bounds.is_empty() || !bounds.is_finite() || extent.max_element() == 0.0 {
+        return None;
+    }
+    let aspect = size.width() as f64 / size.height() as f64;
+    let height = extent.y.max(extent.x / aspect).max(1e-3 * extent.max_element());
+    let centre = bounds.centre();
+    let target = right * centre.x + up * centre.y + back * centre.z;
+    let position = target + back * extent.length();
+    Camera::orthographic(position, target, up, height / (1.0 - 2.0 * View::MARGIN)).ok()
 }
 
 fn own_camera(camera: &scene::Camera) -> Result<Camera, DrawError> {
@@ -294,6 +332,25 @@ fn light_of_camera(camera: &Camera) -> Light {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A ball fills the picture but for the margin; the projection of the box around it is 1.6 times as high.
+    #[test]
+    fn round_models_fill_the_view_at_a_slant() {
+        let (_, scene) =
+            rayweave_scene::parse("rayweave = 1\n[solid.ball]\nsphere = { radius = 2 }").unwrap();
+        let compiled = Compiled::new(&scene).unwrap();
+        let size = Size::new(80, 60).unwrap();
+        let options = PictureOptions { size: Some(size), view: Some(View::Iso), ..PictureOptions::default() };
+        let (camera, _) = arrange(&scene, &compiled, &options).unwrap();
+        let Projection::Orthographic { height } = camera.projection() else { panic!("{camera:?}") };
+        assert!((height - 4.0 / (1.0 - 2.0 * View::MARGIN)).abs() < 1e-9, "{height}");
+        let moved =
+            "rayweave = 1\n[solid.ball]\nsphere = { radius = 2 }\ntransform = { translate = [5, 7, -3] }";
+        let (_, scene) = rayweave_scene::parse(moved).unwrap();
+        let camera = fitted(View::Iso, &scene, &Compiled::new(&scene).unwrap().program, size);
+        let across = (Vec3::new(5.0, 7.0, -3.0) - camera.position()).reject_from(camera.forward());
+        assert!(across.length() < 1e-9, "{across}");
+    }
 
     #[test]
     fn pictures_that_do_not_fit_into_memory_are_refused() {

@@ -207,7 +207,12 @@ impl PictureSheet {
         let cut = painter.evaluator;
         // one box for all views keeps them in line
         let program = whole.map_or(cut, |whole| whole.evaluator).program();
-        let cameras = to_one_scale(VIEWS.map(|(view, ..)| view.fit(program, cell)));
+        // the scene is the cut one, and some of the views may show the whole model
+        let camera = |view: View| match whole {
+            Some(_) => view.fit(program, cell),
+            None => super::fitted(view, scene, program, cell),
+        };
+        let cameras = to_one_scale(VIEWS.map(|(view, ..)| camera(view)));
         // a cut that no view looks onto is still shown, from behind
         let is_seen = |whole: &&WholeModel<'_, E>| {
             cameras.iter().any(|camera| whole.cut.is_seen_along(camera.forward()))

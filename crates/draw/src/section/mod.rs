@@ -17,10 +17,9 @@
 //! ```
 
 mod arcs;
-mod dimension;
 mod dxf;
 mod hatch;
 mod svg;
 
 pub use dxf::section_dxf;
-pub use svg::{SectionStyle, section_drawing, section_svg, section_with_thickness};
+pub use svg::{SectionStyle, section_drawing, section_svg, section_view, section_with_thickness};

@@ -1,6 +1,7 @@
 //! Cross-sections as SVG.
 
-use super::{dimension, hatch};
+use super::hatch;
+use crate::dimension;
 use crate::legend::{self, Entry, Swatch};
 use crate::plan::Plan;
 use crate::svg::{Anchor, Svg};
@@ -16,6 +17,9 @@ const TITLE: f64 = 46.0;
 /// The heights of the scale bar and of a row of the legend.
 const BAR: f64 = 34.0;
 const ROW: f64 = 20.0;
+/// The approximate widths of a character of titles and of notes.
+const LETTER: f64 = 8.0;
+const NOTE: f64 = 6.2;
 /// The height of the name of a plane below its panel.
 const LABEL: f64 = 24.0;
 
@@ -26,6 +30,7 @@ const STYLE: &str = "\
 .cut { stroke: none; fill-rule: evenodd }
 .hatch { fill: none; stroke: currentColor; stroke-width: 0.6 }
 .outline { fill: none; stroke: #1d2733; stroke-width: 1; stroke-linejoin: round }
+.beyond { fill: none; stroke: currentColor; stroke-width: 0.8; stroke-linejoin: round }
 @media (prefers-color-scheme: dark) {
 .cut { fill-opacity: 0.75 }
 .outline { stroke: #e4e9ee }
@@ -49,7 +54,19 @@ pub fn section_svg(sections: &[CrossSection], title: &str, unit: &str) -> String
 
 /// Draws sections like [`section_svg`], with hatching or dimensions.
 pub fn section_drawing(sections: &[CrossSection], title: &str, unit: &str, style: SectionStyle) -> String {
-    drawing(sections, title, unit, style, None)
+    drawing(sections, title, unit, style, Extra::default())
+}
+
+/// Draws one section like [`section_drawing`], with lines behind the plane: the visible edges of
+/// [`visible_edges`](crate::visible_edges), in the coordinates of the plane.
+pub fn section_view(
+    section: &CrossSection,
+    edges: &[Vec<[f64; 2]>],
+    title: &str,
+    unit: &str,
+    style: SectionStyle,
+) -> String {
+    drawing(std::slice::from_ref(section), title, unit, style, Extra { edges, thickness: None })
 }
 
 /// Draws one section like [`section_svg`], with the dimension `text` of a thickness between two points of its plane.
@@ -61,7 +78,17 @@ pub fn section_with_thickness(
     text: &str,
 ) -> String {
     let thickness = section.plane.cut().ok().map(|cut| (ends.map(|end| cut.place(end)), text));
-    drawing(std::slice::from_ref(section), title, unit, SectionStyle::default(), thickness)
+    let extra = Extra { thickness, edges: &[] };
+    drawing(std::slice::from_ref(section), title, unit, SectionStyle::default(), extra)
+}
+
+/// Contents of a drawing of one section beside its parts.
+#[derive(Clone, Copy, Default)]
+struct Extra<'a> {
+    /// The ends of a chord, with its length.
+    thickness: Option<([[f64; 2]; 2], &'a str)>,
+    /// The visible edges behind the plane.
+    edges: &'a [Vec<[f64; 2]>],
 }
 
 fn drawing(
@@ -69,24 +96,33 @@ fn drawing(
     title: &str,
     unit: &str,
     style: SectionStyle,
-    thickness: Option<([[f64; 2]; 2], &str)>,
+    Extra { thickness, edges }: Extra<'_>,
 ) -> String {
     let shown = chosen(sections);
     let mut svg = Svg::default();
-    svg.text("title", [MARGIN, MARGIN + 8.0], Anchor::Start, title, title);
     let note = match (sections, shown.len()) {
-        ([only], _) => only.plane.to_string(),
+        ([only], _) => only.plane.short(),
         (all, n) if n < all.len() => format!("{n} of {} planes", all.len()),
         (_, n) => format!("{n} planes"),
     };
     svg.text("tick", [WIDTH - MARGIN, MARGIN + 8.0], Anchor::End, &note, &note);
+    // the lines of a long title end before the note, and the drawing begins below them
+    let room = WIDTH - 2.0 * MARGIN - NOTE * note.chars().count() as f64 - 12.0;
+    let lines = wrapped(title, (room / LETTER).max(20.0) as usize);
+    for (k, line) in lines.iter().enumerate() {
+        svg.text("title", [MARGIN, MARGIN + 8.0 + ROW * k as f64], Anchor::Start, line, line);
+    }
+    let top = TITLE + ROW * lines.len().saturating_sub(1) as f64;
     let visible = Visible::new(sections);
-    let (lo, hi) = window(sections, visible);
+    let (lo, hi) = window(sections, visible, edges);
     let has_dimensions = style.dimensions && shown.len() == 1;
     let space = if has_dimensions { dimension::SPACE } else { 0.0 };
-    let grid = Grid::new(shown.len(), hi[0] - lo[0], hi[1] - lo[1], space);
+    let grid = Grid::new(shown.len(), [hi[0] - lo[0], hi[1] - lo[1]], space, top);
     let plans = shown.iter().enumerate().map(|(k, section)| {
         let plan = Plan::new(lo, hi, grid.frame(k));
+        for edge in edges {
+            svg.path("beyond", plan.path(edge, false), "");
+        }
         draw(&mut svg, &plan, section, visible, style);
         if has_dimensions {
             let [left, top] = plan.position([lo[0], hi[1]]);
@@ -103,7 +139,7 @@ fn drawing(
         }
         plan
     });
-    let bottom = grid.bottom(plans.last().map_or(TITLE, |plan| plan.bottom)) + space;
+    let bottom = grid.bottom(plans.last().map_or(top, |plan| plan.bottom)) + space;
     let plan = Plan::new(lo, hi, grid.frame(0));
     if let Some(first) = sections.first() {
         Plan::axes(&mut svg, [MARGIN + 4.0, bottom + BAR - 4.0], first.plane.axis_names());
@@ -119,11 +155,12 @@ fn chosen(sections: &[CrossSection]) -> Vec<&CrossSection> {
     (0..count).map(|k| &sections[k * sections.len() / count]).collect()
 }
 
-/// The corners of all visible parts of all sections.
-fn window(sections: &[CrossSection], visible: Visible) -> ([f64; 2], [f64; 2]) {
+/// The corners of all visible parts of all sections, and of lines behind them.
+fn window(sections: &[CrossSection], visible: Visible, edges: &[Vec<[f64; 2]>]) -> ([f64; 2], [f64; 2]) {
     let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     let parts = sections.iter().flat_map(|section| visible.parts(section));
-    for point in parts.flat_map(|part| part.contours.iter().flatten()) {
+    let points = parts.flat_map(|part| part.contours.iter().flatten());
+    for point in points.chain(edges.iter().flatten()) {
         for k in 0..2 {
             (lo[k], hi[k]) = (lo[k].min(point[k]), hi[k].max(point[k]));
         }
@@ -188,6 +225,20 @@ fn paint(colour: Colour) -> String {
     Colour { alpha: 255, ..colour }.to_string()
 }
 
+/// A text in lines of at most this number of characters, divided between words; longer words have a line of their own.
+fn wrapped(text: &str, most: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= most => {
+                *line += &format!(" {word}")
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
 /// The arrangement of the panels.
 struct Grid {
     columns: usize,
@@ -196,22 +247,24 @@ struct Grid {
     is_one: bool,
     /// The space to the left of a single section.
     space: f64,
+    /// The upper end of the first panels.
+    top: f64,
 }
 
 impl Grid {
-    fn new(count: usize, wide: f64, high: f64, space: f64) -> Grid {
+    fn new(count: usize, [wide, high]: [f64; 2], space: f64, top: f64) -> Grid {
         let all = count.max(1);
         // all panels together are about as wide as high
         let columns = ((all as f64 * 1.2 * high / wide).sqrt().ceil() as usize).clamp(1, all.min(12));
         let width = (WIDTH - 2.0 * MARGIN) / columns as f64;
         let most = if all == 1 { MAX_HEIGHT } else { width * 1.5 };
         let available = if all == 1 { width - space } else { 0.9 * width };
-        Grid { columns, width, height: (available * high / wide).min(most), is_one: all == 1, space }
+        Grid { columns, width, height: (available * high / wide).min(most), is_one: all == 1, space, top }
     }
 
     fn corner(&self, k: usize) -> [f64; 2] {
         let (column, row) = (k % self.columns, k / self.columns);
-        [MARGIN + column as f64 * self.width, TITLE + row as f64 * (self.height + LABEL)]
+        [MARGIN + column as f64 * self.width, self.top + row as f64 * (self.height + LABEL)]
     }
 
     fn frame(&self, k: usize) -> [f64; 4] {
@@ -228,5 +281,21 @@ impl Grid {
     /// The lower end of all panels, given that of the last one.
     fn bottom(&self, last: f64) -> f64 {
         if self.is_one { last } else { last + LABEL }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_titles_are_divided() {
+        let lines = wrapped("the head of the bolt and the plate overlap", 20);
+        assert_eq!(lines, ["the head of the bolt", "and the plate", "overlap"]);
+        assert_eq!(wrapped("", 20), [""; 0]);
+        assert_eq!(
+            wrapped("a_very_long_name_of_a_volume and b", 20),
+            ["a_very_long_name_of_a_volume", "and b"]
+        );
     }
 }

@@ -14,10 +14,10 @@ const ARROW: [f64; 2] = [9.0, 2.6];
 const ABOVE: f64 = 5.0;
 
 /// The space that the dimensions need below the drawing and to the left of it.
-pub(super) const SPACE: f64 = DISTANCE + BEYOND + 14.0;
+pub const SPACE: f64 = DISTANCE + BEYOND + 14.0;
 
 /// The style of the lines.
-pub(super) const STYLE: &str = "\
+pub const STYLE: &str = "\
 .dimension { fill: none; stroke: currentColor; stroke-width: 0.7 }
 .arrow { fill: currentColor }
 .value { font-size: 12.5px }
@@ -28,7 +28,7 @@ pub(super) const STYLE: &str = "\
 ";
 
 /// The text of a length with this error: rounded to the power of ten that is at least the error.
-pub(super) fn value(length: f64, error: f64) -> String {
+pub fn value(length: f64, error: f64) -> String {
     let step = libm::pow(10.0, libm::ceil(libm::log10(error.max(f64::MIN_POSITIVE))));
     // dividing by a whole number keeps decimal fractions short
     let rounded = if step < 1.0 {
@@ -40,33 +40,52 @@ pub(super) fn value(length: f64, error: f64) -> String {
 }
 
 /// Draws the width below a box and the height to its left. The box is given by its left, top, right and bottom in pixels.
-pub(super) fn draw(svg: &mut Svg, [left, top, right, bottom]: [f64; 4], width: &str, height: &str) {
+pub fn draw(svg: &mut Svg, sides: [f64; 4], width: &str, height: &str) {
+    draw_sides(svg, sides, Some(width), Some(height));
+}
+
+/// Like [`draw`], with one of the sizes or none.
+pub fn draw_sides(
+    svg: &mut Svg,
+    [left, top, right, bottom]: [f64; 4],
+    width: Option<&str>,
+    height: Option<&str>,
+) {
     let line = |a: [f64; 2], b: [f64; 2]| format!("M{:.2} {:.2}L{:.2} {:.2}", a[0], a[1], b[0], b[1]);
     let (y, x) = (bottom + DISTANCE, left - DISTANCE);
-    let mut lines = String::new();
-    for at in [left, right] {
-        lines += &line([at, bottom + GAP], [at, y + BEYOND]);
+    let (mut lines, mut arrows) = (String::new(), String::new());
+    if width.is_some() {
+        for at in [left, right] {
+            lines += &line([at, bottom + GAP], [at, y + BEYOND]);
+        }
+        arrows += &(arrow([left, y], [-1.0, 0.0]) + &arrow([right, y], [1.0, 0.0]));
     }
-    for at in [top, bottom] {
-        lines += &line([left - GAP, at], [x - BEYOND, at]);
+    if height.is_some() {
+        for at in [top, bottom] {
+            lines += &line([left - GAP, at], [x - BEYOND, at]);
+        }
     }
-    lines += &line([left, y], [right, y]);
-    lines += &line([x, top], [x, bottom]);
+    lines += &width.map(|_| line([left, y], [right, y])).unwrap_or_default();
+    if height.is_some() {
+        lines += &line([x, top], [x, bottom]);
+        arrows += &(arrow([x, top], [0.0, -1.0]) + &arrow([x, bottom], [0.0, 1.0]));
+    }
+    if lines.is_empty() {
+        return;
+    }
     svg.path("dimension", lines, "");
-    let arrows = [
-        arrow([left, y], [-1.0, 0.0]),
-        arrow([right, y], [1.0, 0.0]),
-        arrow([x, top], [0.0, -1.0]),
-        arrow([x, bottom], [0.0, 1.0]),
-    ];
-    svg.path("arrow", arrows.concat(), "");
-    svg.middle_text("value", [0.5 * (left + right), y - ABOVE], 0.0, width);
-    svg.middle_text("value", [x - ABOVE, 0.5 * (top + bottom)], -90.0, height);
+    svg.path("arrow", arrows, "");
+    if let Some(width) = width {
+        svg.middle_text("value", [0.5 * (left + right), y - ABOVE], 0.0, width);
+    }
+    if let Some(height) = height {
+        svg.middle_text("value", [x - ABOVE, 0.5 * (top + bottom)], -90.0, height);
+    }
 }
 
 /// Draws the thickness between two points in pixels: lines along it with arrows from outside, since walls are thin, short bars at
 /// the ends, and the value beside the upper or right end.
-pub(super) fn between(svg: &mut Svg, [a, b]: [[f64; 2]; 2], value: &str) {
+pub fn between(svg: &mut Svg, [a, b]: [[f64; 2]; 2], value: &str) {
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
     let length = libm::hypot(dx, dy);
     let along = if length > 0.0 { [dx / length, dy / length] } else { [1.0, 0.0] };
@@ -96,7 +115,7 @@ pub(super) fn between(svg: &mut Svg, [a, b]: [[f64; 2]; 2], value: &str) {
 }
 
 /// An arrow with its tip at a point and this direction.
-fn arrow(tip: [f64; 2], d: [f64; 2]) -> String {
+pub fn arrow(tip: [f64; 2], d: [f64; 2]) -> String {
     let [long, half] = ARROW;
     let end = [tip[0] - long * d[0], tip[1] - long * d[1]];
     let side = [-half * d[1], half * d[0]];

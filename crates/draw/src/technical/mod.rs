@@ -1,0 +1,310 @@
+//! Technical drawings: three views with visible edges, centre lines and dimensions, and a view at a slant, to a standard scale.
+//!
+//! The views are those of ISO 5456-2, in first-angle or third-angle projection. Lines are of the types of ISO 128-2: wide for visible
+//! edges, dashed for hidden holes, chain lines for the axes of cylinders and for circles of holes. Each view has the overall
+//! sizes, and the diameters of the cylinders that it shows as circles: `4× ⌀6.6 through`, `8× ⌀9 × 12 deep on ⌀95`, `R5`.
+
+mod label;
+mod panel;
+mod scale;
+
+pub use scale::ProjectionMethod;
+
+use crate::edges::{EdgeView, visible_edges};
+use crate::svg::{Anchor, Svg};
+use crate::{DrawError, dimension};
+use label::{Circle, Group, groups};
+use panel::Panel;
+use rayweave_analysis::features::{CylindricalFace, cylindrical_faces, extent};
+use rayweave_analysis::section::Cut;
+use rayweave_error::Message;
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::Evaluator;
+use rayweave_render::{RenderError, Run, Size, View};
+use rayweave_scene::Unit;
+use scale::{Scale, symbol};
+
+/// The options of a technical drawing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TechnicalOptions {
+    /// Width and height in units of 1/96 inch; A4, landscape, by default.
+    pub size: Option<Size>,
+    /// The arrangement of the views.
+    pub projection: ProjectionMethod,
+}
+
+/// A technical drawing.
+#[derive(Clone, Debug)]
+pub struct TechnicalDrawing {
+    /// The drawing as SVG.
+    pub svg: String,
+    /// Parts of the model that the drawing leaves out, in sentences.
+    pub notes: Vec<String>,
+}
+
+/// A4, landscape, in units of 1/96 inch.
+const PAPER: [f64; 2] = [1123.0, 794.0];
+const MARGIN: f64 = 28.0;
+/// The space to the left of views and below them for dimensions.
+const SPACE: f64 = dimension::SPACE;
+/// The space above a view for its name.
+const NAME: f64 = 22.0;
+/// The height of the line at the lower edge.
+const TITLE: f64 = 34.0;
+/// The space between a view and the texts beside it.
+const GAP: f64 = 26.0;
+
+const STYLE: &str = "\
+.edge { fill: none; stroke: currentColor; stroke-width: 1.3; stroke-linejoin: round; stroke-linecap: round }
+.hidden { fill: none; stroke: currentColor; stroke-width: 0.7; stroke-dasharray: 6 3 }
+.centre { fill: none; stroke: #3d6ea8; stroke-width: 0.7; stroke-dasharray: 12 3 2 3 }
+.leader { fill: none; stroke: currentColor; stroke-width: 0.6 }
+@media (prefers-color-scheme: dark) { .centre { stroke: #8fb8e8 } }
+";
+
+/// Draws a bounded model.
+///
+/// ```
+/// use rayweave_draw::technical::{TechnicalOptions, technical_drawing};
+/// use rayweave_render::Run;
+/// use rayweave_scene::{Compiled, Unit};
+/// use rayweave_trace::AnyEvaluator;
+///
+/// let (_, scene) = rayweave_scene::parse(
+///     "rayweave = 1\n[solid.plate]\nbox = { size = [60, 40, 8] }\n[solid.hole]\ncylinder = { radius = 3 }\n\
+///      [solid.part]\nexpr = \"plate - hole\"\n[[region]]\nsolid = \"part\"",
+/// )?;
+/// let evaluator = AnyEvaluator::new(None, Compiled::new(&scene)?.program)?;
+/// let drawing =
+///     technical_drawing(&evaluator, "plate", Unit::Millimetre, &TechnicalOptions::default(), &mut Run::default())?;
+/// assert!(drawing.svg.contains(">\u{2300}6 through</text>") && drawing.svg.contains(">60</text>"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+///
+/// [`DrawError::Option`] for an empty or unbounded model, or a sheet that is too small; or the run was cancelled.
+pub fn technical_drawing<E: Evaluator>(
+    evaluator: &E,
+    title: &str,
+    unit: Unit,
+    options: &TechnicalOptions,
+    run: &mut Run<'_>,
+) -> Result<TechnicalDrawing, DrawError> {
+    let Some(extent) = extent(evaluator) else {
+        let message = Message::new("the model is empty or unbounded", "a drawing shows all of a model");
+        return Err(DrawError::Option(message.suggest("Intersect it with a box.")));
+    };
+    let found = cylindrical_faces(evaluator);
+    let paper = options.size.map_or(PAPER, |size| [size.width() as f64, size.height() as f64]);
+    let views = options.projection.views();
+    let sheet = Sheet { bounds: extent.bounds, faces: &found.faces, paper, unit };
+    let groups = views.map(|(view, ..)| sheet.groups(view));
+    let scale = sheet.scale(&views, &groups)?;
+    let mut drawing = Drawing { sheet: &sheet, scale: &scale, svg: Svg::default() };
+    for ((view, column, row), groups) in views.into_iter().zip(&groups) {
+        let panel = sheet.panel(view, [column, row], &scale);
+        drawing.view(evaluator, &panel, groups, run)?;
+    }
+    drawing.slanted(evaluator, options.projection, run)?;
+    drawing.footer(title, options.projection);
+    let description = format!("Technical drawing in {}, scale {}.", options.projection, scale.text());
+    let svg = drawing.svg.finish(paper, title, &description, &[STYLE, dimension::STYLE].concat());
+    let mut notes = Vec::new();
+    if found.left_out > 0 {
+        notes.push(format!("{} of the cylinders have no diameters: the model has too many.", found.left_out));
+    }
+    if !extent.is_exact {
+        notes.push(
+            "the overall sizes were found by rays: a part thinner than 1/64 of the model may reach beyond them."
+                .to_owned(),
+        );
+    }
+    Ok(TechnicalDrawing { svg, notes })
+}
+
+/// The subject of a drawing.
+struct Sheet<'a> {
+    bounds: Bounds,
+    faces: &'a [CylindricalFace],
+    paper: [f64; 2],
+    unit: Unit,
+}
+
+impl Sheet<'_> {
+    /// The diameters that a view shows.
+    fn groups(&self, view: View) -> Vec<Group> {
+        let (plane, size) = (plane(view, self.bounds.centre()), self.bounds.size().max_element());
+        let towards = plane.normal();
+        let is_circle = |face: &&CylindricalFace| face.axis().dot(towards).abs() > 1.0 - 1e-9;
+        let circles = self.faces.iter().filter(is_circle).map(|face| Circle::new(face, &plane));
+        groups(circles.collect(), size)
+    }
+
+    /// The widths of both columns and the heights of both rows in units of the model.
+    fn sizes(&self, views: &[(View, usize, usize); 3]) -> [[f64; 2]; 2] {
+        let (mut widths, mut heights) = ([0.0f64; 2], [0.0f64; 2]);
+        for &(view, column, row) in views {
+            let [lo, hi] = window(&plane(view, self.bounds.centre()), &self.bounds);
+            widths[column] = widths[column].max(hi[0] - lo[0]);
+            heights[row] = heights[row].max(hi[1] - lo[1]);
+        }
+        [widths, heights]
+    }
+
+    fn scale(&self, views: &[(View, usize, usize); 3], groups: &[Vec<Group>; 3]) -> Result<Scale, DrawError> {
+        let [widths, heights] = self.sizes(views);
+        let mut texts = [0.0f64; 2];
+        for ((_, column, _), groups) in views.iter().zip(groups) {
+            let widest = groups.iter().map(|group| label::width(&group.text)).fold(0.0, f64::max);
+            texts[*column] = texts[*column].max(if widest > 0.0 { widest + GAP + 8.0 } else { GAP });
+        }
+        let [width, height] = self.paper;
+        let room = [
+            width - 2.0 * MARGIN - SPACE - texts[0] - texts[1],
+            height - 2.0 * MARGIN - 2.0 * NAME - SPACE - TITLE - GAP,
+        ];
+        let most = (room[0] / (widths[0] + widths[1])).min(room[1] / (heights[0] + heights[1]));
+        let scale = Scale::below(most, self.unit).filter(|_| room.iter().all(|room| *room > 0.0));
+        let Some(pixels) = scale else {
+            let problem = format!("a sheet of {width} x {height} is too small");
+            let message = Message::new(problem, "the dimensions leave no room for the views");
+            return Err(DrawError::Option(message.suggest("Give a larger size.")));
+        };
+        let spare = [0, 1].map(|k| {
+            let own = [widths, heights][k];
+            (room[k] - pixels.pixels * (own[0] + own[1])).max(0.0)
+        });
+        // the rest is divided among the space around the views
+        let x0 = MARGIN + SPACE + 0.2 * spare[0];
+        let x1 = x0 + pixels.pixels * widths[0] + texts[0] + 0.4 * spare[0];
+        let y0 = MARGIN + NAME + 0.3 * spare[1];
+        let y1 = y0 + pixels.pixels * heights[0] + NAME + GAP + 0.3 * spare[1];
+        Ok(pixels.at([x0, x1], [y0, y1]))
+    }
+
+    fn panel(&self, view: View, [column, row]: [usize; 2], scale: &Scale) -> Panel {
+        let plane = plane(view, self.bounds.centre());
+        let [lo, hi] = window(&plane, &self.bounds);
+        let size = [0, 1].map(|k| scale.pixels * (hi[k] - lo[k]));
+        Panel::new(view, plane, [lo, hi], [scale.columns[column], scale.rows[row], size[0], size[1]])
+    }
+}
+
+/// The plane of a view through a point.
+fn plane(view: View, point: Vec3) -> Cut {
+    let (forward, up) = view.forward_and_up();
+    let across = forward.cross(up);
+    Cut::new(point, across, up).unwrap_or_else(|_| unreachable!("the axes of views are perpendicular"))
+}
+
+/// The corners of a box in a plane.
+fn window(plane: &Cut, bounds: &Bounds) -> [[f64; 2]; 2] {
+    let [u, v] = [0, 1].map(|k| plane.range(bounds, k));
+    [[u[0], v[0]], [u[1], v[1]]]
+}
+
+/// A drawing in progress.
+struct Drawing<'a> {
+    sheet: &'a Sheet<'a>,
+    scale: &'a Scale,
+    svg: Svg,
+}
+
+impl Drawing<'_> {
+    fn view<E: Evaluator>(
+        &mut self,
+        evaluator: &E,
+        panel: &Panel,
+        groups: &[Group],
+        run: &mut Run<'_>,
+    ) -> Result<(), DrawError> {
+        let [left, top, right, bottom] = panel.sides();
+        let name = panel.view.name();
+        self.svg.text("name", [left, top - 8.0], Anchor::Start, name, name);
+        for line in self.edges(evaluator, &panel.plane, panel.window, 1.0 / self.scale.pixels, run)? {
+            self.svg.path("edge", panel.path(&line), "");
+        }
+        panel.lines(&mut self.svg, evaluator, self.sheet.faces, groups);
+        label::draw(&mut self.svg, panel, groups, right + GAP);
+        let size = self.sheet.bounds.size();
+        let resolution = 1e-5 * size.max_element();
+        let value = |length: f64| crate::axis::format_number(length, resolution);
+        let [width, height] = [0, 1].map(|k| value(panel.window[1][k] - panel.window[0][k]));
+        // each size once: width and height in front, the depth in the view from above
+        let (width, height) = match panel.view {
+            View::Front => (Some(width), Some(height)),
+            View::Top => (None, Some(height)),
+            _ => (None, None),
+        };
+        dimension::draw_sides(&mut self.svg, [left, top, right, bottom], width.as_deref(), height.as_deref());
+        Ok(())
+    }
+
+    /// The view at a slant, in the free corner.
+    fn slanted<E: Evaluator>(
+        &mut self,
+        evaluator: &E,
+        projection: ProjectionMethod,
+        run: &mut Run<'_>,
+    ) -> Result<(), DrawError> {
+        let plane = plane(View::Iso, self.sheet.bounds.centre());
+        let outer = window(&plane, &self.sheet.bounds);
+        let [width, height] = self.sheet.paper;
+        let (x, right) = (self.scale.columns[1], width - MARGIN);
+        let (top, bottom) = match projection {
+            ProjectionMethod::ThirdAngle => (MARGIN + NAME, self.scale.rows[1] - NAME - 8.0),
+            ProjectionMethod::FirstAngle => (self.scale.rows[1], height - MARGIN - TITLE),
+        };
+        if right - x < 40.0 || bottom - top < 40.0 {
+            return Ok(());
+        }
+        let lengths = [0, 1].map(|k| outer[1][k] - outer[0][k]);
+        let step = (lengths[0] / (right - x)).max(lengths[1] / (bottom - top));
+        let lines = self.edges(evaluator, &plane, outer, step, run)?;
+        let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for point in lines.iter().flatten() {
+            for k in 0..2 {
+                (lo[k], hi[k]) = (lo[k].min(point[k]), hi[k].max(point[k]));
+            }
+        }
+        if lo[0] < hi[0] && lo[1] < hi[1] {
+            let panel = Panel::new(View::Iso, plane, [lo, hi], [x, top, right - x, bottom - top]);
+            for line in &lines {
+                self.svg.path("edge", panel.path(line), "");
+            }
+        }
+        Ok(())
+    }
+
+    fn edges<E: Evaluator>(
+        &self,
+        evaluator: &E,
+        plane: &Cut,
+        [lo, hi]: [[f64; 2]; 2],
+        step: f64,
+        run: &mut Run<'_>,
+    ) -> Result<Vec<Vec<[f64; 2]>>, DrawError> {
+        // a margin, off the symmetry of the model: no ray runs along an edge that is parallel to the view
+        let window = [lo.map(|x| x - 2.317 * step), hi.map(|x| x + 2.683 * step)];
+        let view = EdgeView { plane: *plane, is_behind: false, window, step };
+        visible_edges(evaluator, &view, run.threads, &run.cancel)
+            .map_err(|_| DrawError::Render(RenderError::Cancelled))
+    }
+
+    /// The title, the scale, the unit and the symbol of the projection.
+    fn footer(&mut self, title: &str, projection: ProjectionMethod) {
+        let [width, height] = self.sheet.paper;
+        let y = height - MARGIN;
+        let frame = format!("M{MARGIN} {:.2}H{:.2}", y - TITLE + 10.0, width - MARGIN);
+        self.svg.path("dimension", frame, "");
+        self.svg.text("title", [MARGIN, y], Anchor::Start, title, title);
+        let facts =
+            format!("scale {}    lengths in {}    {projection}", self.scale.text(), self.sheet.unit.symbol());
+        self.svg.text("name", [width - MARGIN - 58.0, y], Anchor::End, &facts, &facts);
+        symbol(&mut self.svg, [width - MARGIN - 24.0, y - 5.0], projection);
+    }
+}
+
+#[cfg(test)]
+mod tests;

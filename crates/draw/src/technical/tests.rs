@@ -1,0 +1,100 @@
+//! The contents of drawings.
+
+use super::*;
+use rayweave_scene::Compiled;
+use rayweave_trace::AnyEvaluator;
+
+const FLANGE: &str = "rayweave = 1\n[solid.disc]\ncylinder = { radius = 60, height = 12 }\n[solid.hub]\n\
+    cylinder = { radius = 25, height = 40 }\ntransform = { translate = [0, 0, 14] }\n[solid.bore]\ncylinder = { radius = 15 }\n\
+    [solid.hole]\ncylinder = { radius = 4.5 }\n[solid.holes]\nplace = { solid = \"hole\", ring = 8, radius = 47.5 }\n\
+    [solid.flange]\nexpr = \"(disc | hub) - bore - holes\"\n[[region]]\nsolid = \"flange\"";
+
+fn drawing(text: &str, options: &TechnicalOptions) -> Result<TechnicalDrawing, DrawError> {
+    let (_, scene) = rayweave_scene::parse(text).unwrap();
+    let evaluator = AnyEvaluator::new(None, Compiled::new(&scene).unwrap().program).unwrap();
+    technical_drawing(&evaluator, "flange", scene.unit, options, &mut Run::default())
+}
+
+fn has(svg: &str, text: &str) -> bool {
+    svg.contains(&format!(">{text}</text>"))
+}
+
+/// The values of an attribute of elements of a class.
+fn numbers(svg: &str, class: &str, attribute: &str) -> Vec<f64> {
+    let start = format!("class=\"{class}\"");
+    let of = |line: &str| line.split_once(&format!(" {attribute}=\""))?.1.split('"').next()?.parse().ok();
+    svg.lines().filter(|line| line.contains(&start)).filter_map(of).collect()
+}
+
+#[test]
+fn diameters_hole_circles_and_overall_sizes() {
+    let found = drawing(FLANGE, &TechnicalOptions::default()).unwrap();
+    let svg = &found.svg;
+    for text in ["\u{2300}120", "\u{2300}50", "\u{2300}30 through", "8\u{d7} \u{2300}9 through on \u{2300}95"]
+    {
+        assert!(has(svg, text), "{text}: {svg}");
+    }
+    // width and depth, and the height
+    assert_eq!(svg.matches(">120</text>").count(), 2, "{svg}");
+    assert!(has(svg, "40") && found.notes.is_empty(), "{:?}", found.notes);
+    // the circle of the holes has its size at the scale of the drawing, 1:1 or smaller
+    let scale =
+        svg.split("scale 1:").nth(1).unwrap().split([' ', '.']).next().unwrap().parse::<f64>().unwrap();
+    let radius = numbers(svg, "centre", "r")[0];
+    assert!((radius - 47.5 * 96.0 / 25.4 / scale).abs() < 0.01, "{radius} at 1:{scale}");
+    // every hole is visible from above, and none from the front, where the bore is hidden, too
+    assert!(numbers(svg, "hidden", "r").is_empty() && svg.contains("class=\"hidden\""), "{svg}");
+}
+
+/// In first-angle projection the view from above is below that from the front, and the view from the left at its right.
+#[test]
+fn views_are_arranged_by_the_method_of_projection() {
+    let places = |projection| {
+        let svg = drawing(FLANGE, &TechnicalOptions { projection, size: None }).unwrap().svg;
+        let place = |name: &str| {
+            let line = svg.lines().find(|line| line.contains(&format!(">{name}</text>")))?;
+            let of =
+                |key: &str| line.split_once(&format!(" {key}=\""))?.1.split('"').next()?.parse::<f64>().ok();
+            Some([of("x")?, of("y")?])
+        };
+        ["front", "top", "left", "right"].map(place)
+    };
+    let [front, top, left, right] = places(ProjectionMethod::ThirdAngle);
+    let (front, top, right) = (front.unwrap(), top.unwrap(), right.unwrap());
+    assert!(
+        left.is_none()
+            && top[1] < front[1]
+            && top[0] == front[0]
+            && right[0] > front[0]
+            && right[1] == front[1]
+    );
+    let [front, top, left, right] = places(ProjectionMethod::FirstAngle);
+    let (front, top, left) = (front.unwrap(), top.unwrap(), left.unwrap());
+    assert!(
+        right.is_none()
+            && top[1] > front[1]
+            && top[0] == front[0]
+            && left[0] > front[0]
+            && left[1] == front[1]
+    );
+}
+
+/// A blind hole from below is hidden from above: its circle is dashed.
+#[test]
+fn hidden_holes_are_dashed() {
+    let text = "rayweave = 1\n[solid.plate]\nbox = { size = [60, 40, 10] }\n[solid.hole]\ncylinder = { radius = 3, height = 8 }\n\
+        transform = { translate = [10, 5, -5] }\n[solid.part]\nexpr = \"plate - hole\"\n[[region]]\nsolid = \"part\"";
+    let svg = drawing(text, &TechnicalOptions::default()).unwrap().svg;
+    assert!(has(&svg, "\u{2300}6 \u{d7} 4 deep"), "{svg}");
+    assert_eq!(numbers(&svg, "hidden", "r").len(), 1, "{svg}");
+}
+
+#[test]
+fn models_and_sheets_that_cannot_be_drawn_are_errors() {
+    let endless =
+        drawing("rayweave = 1\n[solid.rod]\ncylinder = { radius = 3 }", &TechnicalOptions::default());
+    assert!(endless.unwrap_err().to_string().starts_with("the model is empty or unbounded"));
+    let size = Size::new(120, 90).ok();
+    let small = drawing(FLANGE, &TechnicalOptions { size, ..TechnicalOptions::default() }).unwrap_err();
+    assert!(small.to_string().ends_with("Give a larger size."), "{small}");
+}
