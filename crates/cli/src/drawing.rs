@@ -10,7 +10,7 @@ use rayweave::render::Image;
 use resvg::tiny_skia::{ColorU8, IntSize, Pixmap, PixmapPaint, Transform};
 use resvg::usvg::{Options, Tree};
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Once};
 
 /// True if a file name has the extension of a drawing.
 pub fn is_drawing(path: &Path) -> bool {
@@ -32,7 +32,8 @@ enum Kind {
 fn kind(path: &Path) -> Option<Kind> {
     let is = |extension: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
     match () {
-        () if is("svg") || path == Path::new("-") => Some(Kind::Svg),
+        // output that is not wanted may go to the null device
+        () if is("svg") || path == Path::new("-") || path == Path::new("/dev/null") => Some(Kind::Svg),
         () if is("pdf") => Some(Kind::Pdf),
         () if is("png") => Some(Kind::Png),
         () if is("jpg") || is("jpeg") => Some(Kind::Jpeg),
@@ -126,9 +127,13 @@ fn tree(svg: &str) -> Result<Tree, String> {
     let fonts = Arc::make_mut(&mut options.fontdb);
     fonts.load_system_fonts();
     if fonts.is_empty() {
-        terminal::note(
-            "note: the picture has no text: no fonts are installed on this machine. Write it as .svg.",
-        );
+        // once, for all pictures of a command
+        static NOTED: Once = Once::new();
+        NOTED.call_once(|| {
+            terminal::note(
+                "note: the picture has no text: no fonts are installed on this machine. Write it as .svg.",
+            );
+        });
     }
     Tree::from_str(svg, &options).map_err(|error| error.to_string())
 }

@@ -6,12 +6,14 @@ mod cli;
 mod command;
 mod device;
 mod drawing;
+mod elsewhere;
 mod failure;
 mod interrupt;
 mod interval;
 mod lens_data;
 mod lens_drawing;
 mod lens_file;
+mod lens_model;
 mod outputs;
 mod photon_report;
 mod terminal;
@@ -32,7 +34,7 @@ fn main() -> ExitCode {
     });
     let (cli, matches) = match parsed {
         Ok(parsed) => parsed,
-        Err(error) => return print(&clear(without_misleading_tip(error))),
+        Err(error) => return print(&clear(elsewhere::advised(without_misleading_tip(error)))),
     };
     if let Err(failure) = outputs::check(&matches) {
         return terminal::report(&failure);

@@ -47,8 +47,7 @@
 //! let nearest = weave.one(ray, &Query::nearest())?;
 //! let first = &nearest.of(0)[0];
 //! assert_eq!(rayweave::model::attributes::normal(&program, &ray, first), Vec3::NEG_X);
-//! let face = program.face_number(first.face.leaf, first.face.facet);
-//! assert_eq!(program.face_name(face as u32), "sphere.side");
+//! assert_eq!(program.name_of(&first.face), "sphere.side");
 //!
 //! assert!(weave.contains(Vec3::new(0.0, 1.5, 0.0))? && !weave.contains(Vec3::ZERO)?);
 //! # Ok::<(), rayweave::Error>(())
@@ -219,7 +218,8 @@ pub mod model {
         Copies, Crossing, CrossingColumns, Evaluator, Face, FirstHits, HitArrayRows, Leaf, LeafFacet, LeafId,
         LeafKind, Limit, Medium, Node, Occurrence, OccurrencePath, PathStep, Place, PlacementId, Program,
         Prototype, PrototypeId, Query, RayAnswer, RayBatch, Rays, Region, RegionId, RegionInfo, Sink, Solid,
-        SurfaceEntry, SurfaceId, Window, WindowError, attributes, drive, memory, plain, simplify,
+        SurfaceEntry, SurfaceId, Window, WindowError, attributes, drive, expanded_size, memory, plain,
+        simplify,
     };
 }
 
@@ -237,7 +237,7 @@ pub mod section {
     };
     #[cfg(feature = "draw")]
     pub use rayweave_draw::section::{
-        SectionStyle, section_drawing, section_dxf, section_svg, section_with_thickness,
+        SectionStyle, section_drawing, section_dxf, section_svg, section_view, section_with_thickness,
     };
 }
 
@@ -270,7 +270,7 @@ pub mod detector {
 // Without `inline` the pages of these crates would only be links, and their functions not in the index and the search.
 #[cfg(feature = "analysis")]
 #[doc(inline)]
-pub use rayweave_analysis::{AnalysisError, check, diff, distance, hits, measure, thickness};
+pub use rayweave_analysis::{AnalysisError, check, diff, distance, features, hits, measure, thickness};
 #[cfg(feature = "draw")]
 #[doc(inline)]
 pub use rayweave_draw::{self as draw, DrawError, layout, picture};

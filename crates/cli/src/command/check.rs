@@ -31,12 +31,14 @@ Kinds of findings:
   thin      a wall thinner than --wall
   gap       a gap narrower than --gap
   optical   an optical property, surface or sensor is probably wrong
+  loose     a region consists of separate pieces (a note)
+  cavity    a region has a closed cavity (a note)
   touch     two regions touch (a note)
   unused    an optical property or surface has no effect (a note)
 
 A file that cannot be read, for example because of an open mesh, is reported as an error with its position (exit code 3).";
 
-/// Look for overlaps, gaps, thin walls, parts without effect, daughters outside their mothers, suspicious optical properties
+/// Look for overlaps, gaps, thin walls, loose pieces, cavities, parts without effect, daughters outside their mothers, suspicious optical properties
 ///
 /// Pairs of parts that bounding boxes cannot separate are sampled with rays. Findings are certain; their absence depends on the
 /// density of rays (--cells). Each finding has a position, a size and a ray that shows it. With --fail-on, findings of the given
@@ -244,12 +246,16 @@ impl Check {
         let found = if counts.is_empty() { "nothing found".to_owned() } else { counts.join(", ") };
         let mut text = format!("{model}: {found}; lengths in {unit}\n{}", scope(report));
         for (kind, name) in FindingKind::ALL {
-            for (number, finding) in report.of(kind).enumerate() {
+            let mut printed = 0;
+            for (number, (finding, count)) in grouped(report.of(kind)).into_iter().enumerate() {
                 if number == self.lines {
-                    text += &format!("\n{name}: {} more (see --lines)\n", of(kind) - number);
+                    text += &format!("\n{name}: {} more (see --lines)\n", of(kind) - printed);
                     break;
                 }
-                text += &format!("\n{name}: {}\n", finding.text);
+                printed += count;
+                let times =
+                    if count > 1 { format!(" ({count} times, for example here)") } else { String::new() };
+                text += &format!("\n{name}: {}{times}\n", finding.text);
                 let facts = facts(finding, unit);
                 if !facts.is_empty() {
                     text += &format!("  {facts}\n");
@@ -283,6 +289,22 @@ impl Check {
             },
         })
     }
+}
+
+/// Findings with the same text and the same size to six digits, such as the walls beside equal holes, as one with their number. Those
+/// without a size stay apart.
+fn grouped<'a>(findings: impl Iterator<Item = &'a Finding>) -> Vec<(&'a Finding, usize)> {
+    let mut groups: Vec<(&Finding, usize)> = Vec::new();
+    let size = |finding: &Finding| finding.size.map(|size| terminal::rounded(size, 6));
+    for finding in findings {
+        let is_like =
+            |known: &&mut (&Finding, usize)| known.0.text == finding.text && size(known.0) == size(finding);
+        match groups.iter_mut().find(is_like).filter(|_| finding.size.is_some()) {
+            Some((_, count)) => *count += 1,
+            None => groups.push((finding, 1)),
+        }
+    }
+    groups
 }
 
 /// The searches of a check: run here, or read from a file.

@@ -3,6 +3,7 @@
 use crate::arguments::{GlobalArguments, ModelArguments, OnlyArguments};
 use crate::failure::Failure;
 use crate::lens_file;
+use crate::lens_model::LensModel;
 use crate::terminal;
 use clap::Args;
 use rayweave::formats::{self, Format, RemarkKind, WriteOptions};
@@ -14,13 +15,17 @@ use std::path::{Path, PathBuf};
 /// were approximated, dropped or, unless --quiet, written in another form, and the losses when the model was read. With --strict, a
 /// model that the format cannot hold is not written; triangles within the tolerance are no reason. A mesh that is not the boundary of
 /// a solid is not written either.
+///
+/// A sequential Zemax lens file (.zmx) becomes a native model with lenses, mirrors, stop and image, and a source for each field with all
+/// wavelengths, which fills the paraxial entrance pupil: rays are not aimed at the stop. Other formats get the solids only.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   rayweave convert part.csg part.toml
   rayweave convert lens.toml lens.gdml
   rayweave convert lens.toml lens.3mf --tolerance 0.001
-  rayweave convert pump.toml housing.stl --solid housing")]
+  rayweave convert pump.toml housing.stl --solid housing
+  rayweave convert cooke-triplet.zmx triplet.toml")]
 pub struct Convert {
     #[command(flatten)]
     model: ModelArguments,
@@ -54,7 +59,7 @@ impl Convert {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let format = self.format()?;
         if self.model.format.is_none() && lens_file::is_one(&self.model.model) {
-            return Err(self.lens_is_not_converted());
+            return self.lens(format, global);
         }
         let imported = self.only.of_import(self.model.import()?)?;
         let options =
@@ -75,17 +80,31 @@ impl Convert {
         terminal::wrote(&self.out, global.quiet)
     }
 
-    /// The error about a lens file, with what is possible.
-    fn lens_is_not_converted(&self) -> Failure {
-        let (name, out) = (self.model.model.display(), self.out.display());
-        let problem =
-            format!("{name}: a lens file is not converted: only `optics` and `info` read lens files.");
-        Failure::Input(format!(
-            "{problem} In Python, rayweave.optics.Prescription.read_zmx({:?}).system().save({:?}) writes its lenses and \
-             mirrors as solids, without stop, image, fields and light.",
-            name.to_string(),
-            out.to_string()
-        ))
+    /// Writes the solids of a lens file and, into a native file, its stop, its image and the light of its fields.
+    fn lens(&self, format: Format, global: &GlobalArguments) -> Result<(), Failure> {
+        let lens = lens_file::read(&self.model)?;
+        let LensModel { scene, optics, mut losses } = LensModel::of(&lens)?;
+        let options =
+            WriteOptions { tolerance: self.tolerance, text: self.text, allow_unsound: self.allow_unsound };
+        let written = formats::write(&scene, None, format, &options).map_err(rayweave::Error::from)?;
+        let mut bytes = written.bytes;
+        match format {
+            Format::Native => bytes.extend_from_slice(optics.as_bytes()),
+            _ => losses.push("the stop, the image, the fields and the wavelengths are left out.".to_owned()),
+        }
+        losses.extend(
+            written
+                .remarks
+                .iter()
+                .filter(|remark| remark.kind != RemarkKind::Changed)
+                .map(ToString::to_string),
+        );
+        losses.iter().for_each(|loss| terminal::note(loss));
+        if self.model.strict && !losses.is_empty() {
+            return Err(crate::failure::lossy(&self.out));
+        }
+        terminal::save(&self.out, &bytes)?;
+        terminal::wrote(&self.out, global.quiet)
     }
 
     fn format(&self) -> Result<Format, Failure> {

@@ -5,15 +5,15 @@ use crate::failure::Failure;
 use crate::terminal::{self, Sampling};
 use crate::{drawing, interrupt, interval};
 use clap::{Args, ValueEnum};
-use rayweave::AnyEvaluator;
 use rayweave::diff::{
     DiffProgress, DiffReport, DiffSettings, Difference, Match, ThickestSpot, diff_section, diff_with_progress,
 };
 use rayweave::measure;
 use rayweave::scene::Scene;
 use rayweave::section::{SectionPlane, section_svg};
+use rayweave::{AnyEvaluator, Compiled};
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const AFTER_HELP: &str = "\
 Exit codes:
@@ -131,7 +131,32 @@ impl Diff {
             true => format!("{:#}\n", self.as_json(&report)),
             false => self.as_text(&report),
         })?;
+        self.note_short_numbers(&a, &report)?;
         Ok(report.is_same())
+    }
+
+    /// Prints a note if the differences may be those of numbers that a file states with six digits.
+    fn note_short_numbers(&self, scene: &Scene, report: &DiffReport) -> Result<(), Failure> {
+        let is_csg = |path: &Path| path.extension().is_some_and(|own| own.eq_ignore_ascii_case("csg"));
+        if report.is_same() || !(is_csg(&self.model.model) || is_csg(&self.other)) {
+            return Ok(());
+        }
+        let bounds = Compiled::new(scene)?.program.bounds();
+        let largest = bounds.lo.abs().max(bounds.hi.abs()).max_element();
+        let spots = report.pairs.iter().filter(|pair| !pair.is_same);
+        // a part that only one model has has no thickness
+        let thickest =
+            spots.map(|pair| pair.spot.map_or(f64::INFINITY, |spot| spot.thickness)).fold(0.0, f64::max);
+        // several coordinates, each wrong by half a unit of the sixth digit
+        if thickest < 1e-5 * largest {
+            let enough = libm::pow(10.0, libm::ceil(libm::log10(thickest)));
+            terminal::note(&format!(
+                "note: numbers in .csg files have six digits, and the differences are no larger than their rounding. \
+                 --distance {} ignores them.",
+                terminal::short(enough)
+            ));
+        }
+        Ok(())
     }
 
     fn settings(&self, global: &GlobalArguments) -> Result<DiffSettings, Failure> {

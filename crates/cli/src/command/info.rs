@@ -328,6 +328,32 @@ fn leaf_json(program: &Program, leaf: Leaf<'_>) -> Value {
     })
 }
 
+/// The numbers of separate pieces and of closed cavities of a closed mesh: a shell within a shell is a cavity, one within a cavity a
+/// piece.
+fn nesting(diagnosis: &Diagnosis) -> Option<[usize; 2]> {
+    let cavities = diagnosis.components.iter().filter(|shell| shell.depth % 2 == 1).count();
+    diagnosis.is_closed().then(|| [diagnosis.components.len() - cavities, cavities])
+}
+
+/// The number of shells; of several, also what they are.
+fn shells(diagnosis: &Diagnosis) -> String {
+    let count = |number: usize, one: &str, many: &str| match number {
+        1 => format!("1 {one}"),
+        number => format!("{number} {many}"),
+    };
+    match (diagnosis.components.len(), nesting(diagnosis)) {
+        (number @ 2.., Some([pieces, 0])) => format!("{number}: {}", count(pieces, "piece", "pieces")),
+        (number @ 2.., Some([pieces, cavities])) => {
+            format!(
+                "{number}: {}, {}",
+                count(pieces, "piece", "pieces"),
+                count(cavities, "cavity", "cavities")
+            )
+        }
+        (number, _) => number.to_string(),
+    }
+}
+
 /// The meshes of a file, with their defects.
 struct Meshes {
     unit: Unit,
@@ -361,7 +387,7 @@ impl Meshes {
                 name.clone(),
                 diagnosis.triangles.to_string(),
                 diagnosis.vertices.to_string(),
-                diagnosis.components.len().to_string(),
+                shells(diagnosis),
                 closed,
                 terminal::short(mesh.area()),
                 diagnosis.volume().map_or_else(|| "unknown".to_owned(), terminal::short),
@@ -384,6 +410,8 @@ impl Meshes {
                 "triangles": diagnosis.triangles,
                 "vertices": diagnosis.vertices,
                 "shells": diagnosis.components.len(),
+                "pieces": nesting(diagnosis).map(|[pieces, _]| pieces),
+                "cavities": nesting(diagnosis).map(|[_, cavities]| cavities),
                 "is_closed": diagnosis.is_closed(),
                 "is_sound": diagnosis.is_sound(),
                 "open_edges": diagnosis.open_edges,

@@ -45,6 +45,9 @@ use std::path::{Path, PathBuf};
 #[derive(Args)]
 #[command(mut_arg("model", |model| model.help(lens_or_model_help())))]
 #[command(after_help = "\
+Only in Python (rayweave.optics.Prescription, docs/guides/lens-design.md): Seidel sums, ray fans, wavefronts and Zernike
+polynomials, MTF, encircled energy, through focus, field curvature, vignetting, colour, optimisation, tolerances.
+
 Examples:
   rayweave optics doublet.toml
   rayweave optics doublet.toml -D R3=120 --branches both --out segments.csv

@@ -9,6 +9,7 @@ use crate::terminal::{self, Unit};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use rayweave::draw::DrawError;
+use rayweave::draw::technical::{ProjectionMethod, TechnicalOptions, technical_drawing};
 use rayweave::picture::{
     CutAway, Explosion, Opacity, Picture, PictureKind, PictureOptions, PictureSheet, SheetKind, WholeModel,
     arrange,
@@ -41,6 +42,14 @@ pub struct Render {
     /// View the whole model from this side, without perspective; `sheet` draws four views to scale and a legend; with --cut, the views that look onto a cut face are cut
     #[arg(long, value_parser = PossibleValuesParser::new(View::ALL.map(View::name).into_iter().chain([SHEET])))]
     view: Option<String>,
+
+    /// Make --view sheet a technical drawing to a standard scale: visible edges, centre lines, overall sizes, diameters of holes and shafts, depths, circles of holes. The size is in units of 1/96 inch [default: A4, 1123x794]
+    #[arg(long, requires = "view", conflicts_with_all = ["legend", "cut", "explode", "kind", "range"])]
+    dimensions: bool,
+
+    /// Arrangement of the views of --dimensions: `first` places the view from above below that from the front, as in Europe, `third` above it
+    #[arg(long, value_name = "ANGLE", requires = "dimensions", default_value = "third", value_parser = PossibleValuesParser::new(ProjectionMethod::ALL.map(|(_, name)| name)))]
+    projection: String,
 
     /// Add a legend of the media's colours below the picture
     #[arg(long)]
@@ -114,6 +123,9 @@ impl Render {
         let out = self.out()?;
         let scene = self.scene(true)?;
         let compiled = Compiled::new(&scene)?;
+        if self.dimensions {
+            return self.draw_technical(&scene, &compiled, &out, global);
+        }
         let part = self.part(&scene, &compiled, &out)?;
         if self.part.is_done(part.iter().map(|part| (out.as_path(), part)), global.quiet) {
             return Ok(());
@@ -154,6 +166,31 @@ impl Render {
         }
         let (width, height) = (size.width(), size.height());
         terminal::print(&format!("{}: {width} x {height} pixels\n{}", out.display(), chosen.summary()))
+    }
+
+    /// Writes a technical drawing.
+    fn draw_technical(
+        &self,
+        scene: &Scene,
+        compiled: &Compiled,
+        out: &Path,
+        global: &GlobalArguments,
+    ) -> Result<(), Failure> {
+        if self.sheet() != Some(SheetKind::Views) {
+            return Err(Failure::Usage(
+                "--dimensions: only sheets have dimensions. Add --view sheet.".to_owned(),
+            ));
+        }
+        let chosen = self.on_device(compiled, global)?;
+        let mut run = Run { threads: global.threads, cancel: interrupt::token(), progress: None };
+        let projection = self.projection.parse().unwrap_or_default();
+        let options = TechnicalOptions { size: self.size, projection };
+        let (name, evaluator) = (self.model.name(), chosen.evaluator.evaluator());
+        let drawn = technical_drawing(evaluator, &name, scene.unit, &options, &mut run)?;
+        chosen.finish()?;
+        drawn.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));
+        drawing::save(out, &drawn.svg, &name)?;
+        terminal::wrote(out, global.quiet)
     }
 
     /// The evaluator of a model on the chosen device.

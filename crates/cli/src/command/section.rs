@@ -5,12 +5,13 @@ use crate::failure::Failure;
 use crate::terminal::{self, Unit};
 use crate::{drawing, interrupt};
 use clap::Args;
+use rayweave::draw::{EdgeView, visible_edges};
 use rayweave::scene::Scene;
 use rayweave::section::{
     By, CrossSection, SectionPlane, SectionRun, SectionSettings, SectionStyle, cross_sections,
-    section_drawing, section_dxf,
+    section_drawing, section_dxf, section_view,
 };
-use rayweave::{AnyEvaluator, Vec3};
+use rayweave::{AnyEvaluator, Compiled, Vec3};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -70,13 +71,21 @@ pub struct Section {
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = crate::arguments::count::<u32, 2, 65536>)]
     columns: u32,
 
-    /// Hatch the cut faces in pictures (ISO 128-50): each region in another direction or at another distance. Implies --by-region
+    /// Hatch the cut faces in pictures (ISO 128-50), each region in another direction or at another distance, and draw the visible edges behind the plane. Implies --by-region, and --beyond for a single plane without --within
     #[arg(long)]
     hatch: bool,
 
     /// Add the overall width and height, rounded by the tolerance, to the picture of a single plane (ISO 129-1)
     #[arg(long, conflicts_with = "from")]
     dimensions: bool,
+
+    /// Draw the visible edges behind the plane of a single section, too; --hatch does so
+    #[arg(long, overrides_with = "no_beyond", conflicts_with_all = ["from", "within"])]
+    beyond: bool,
+
+    /// Draw only the cut itself
+    #[arg(long)]
+    no_beyond: bool,
 
     /// Do not merge regions with the same medium; merged regions have the name of the medium and the colour of the first of them
     #[arg(long)]
@@ -109,7 +118,8 @@ impl Section {
         bar.finish_and_clear();
         let found = found?;
         self.reject_missed_planes(&scene, &found)?;
-        self.out.iter().try_for_each(|path| self.save(path, &found, scene.unit.symbol()))?;
+        let edges = self.edges_beyond(&scene, &found, global)?;
+        self.out.iter().try_for_each(|path| self.save(path, (&found, &edges), scene.unit.symbol()))?;
         let is_taken = self.out.iter().any(|path| path == Path::new("-"));
         match () {
             () if is_taken => Ok(()),
@@ -124,6 +134,29 @@ impl Section {
     /// True if regions with the same medium are separate parts: in a hatched drawing, the edges between them must show.
     fn is_by_region(&self) -> bool {
         self.by_region || self.hatch
+    }
+
+    /// The visible edges behind the plane of a single section, if a picture shows them.
+    fn edges_beyond(
+        &self,
+        scene: &Scene,
+        found: &[CrossSection],
+        global: &GlobalArguments,
+    ) -> Result<Vec<Vec<[f64; 2]>>, Failure> {
+        let is_wanted = (self.beyond || self.hatch && self.within.bounds().is_none()) && !self.no_beyond;
+        let is_drawn = self.out.iter().any(|path| !is_dxf(path));
+        let [section] = found else { return Ok(Vec::new()) };
+        if !(is_wanted && is_drawn) {
+            return Ok(Vec::new());
+        }
+        let compiled = Compiled::named(scene, self.subject.solid.as_deref())?;
+        let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program)?;
+        let size = (section.hi[0] - section.lo[0]).max(section.hi[1] - section.lo[1]);
+        // about a pixel of the drawing, off the symmetry of the model
+        let step = size / 900.0;
+        let window = [section.lo.map(|x| x - 2.317 * step), section.hi.map(|x| x + 2.683 * step)];
+        let view = EdgeView { plane: section.plane.cut()?, is_behind: true, window, step };
+        Ok(visible_edges(&evaluator, &view, global.threads, &interrupt::token())?)
     }
 
     fn planes(&self) -> Result<Vec<SectionPlane>, Failure> {
@@ -169,13 +202,22 @@ impl Section {
         Err(Failure::Input(format!("{}: {what} {verb} the model: {reach}.", self.model.name())))
     }
 
-    fn save(&self, path: &Path, found: &[CrossSection], unit: &str) -> Result<(), Failure> {
+    fn save(
+        &self,
+        path: &Path,
+        (found, edges): (&[CrossSection], &[Vec<[f64; 2]>]),
+        unit: &str,
+    ) -> Result<(), Failure> {
         match is_dxf(path) {
             true => terminal::save(path, section_dxf(found, unit).as_bytes()),
             false => {
                 let style = SectionStyle { hatch: self.hatch, dimensions: self.dimensions };
                 let name = self.model.name();
-                drawing::save(path, &section_drawing(found, &name, unit, style), &name)
+                let svg = match found {
+                    [only] => section_view(only, edges, &name, unit, style),
+                    all => section_drawing(all, &name, unit, style),
+                };
+                drawing::save(path, &svg, &name)
             }
         }
     }

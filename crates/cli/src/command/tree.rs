@@ -1,7 +1,7 @@
 //! The tree of a solid as text.
 
 use rayweave::Solid;
-use rayweave::model::Node;
+use rayweave::model::{Node, expanded_size};
 
 /// The maximum length of the description of a node, in characters; longer ones are shortened in the
 /// middle.
@@ -117,8 +117,21 @@ fn is_word(node: &Node) -> bool {
     )
 }
 
+/// The largest number of shapes of a solid that are counted.
+const MAX_SHAPES: u64 = 1 << 20;
+
+/// True if the operators below a solid are not those of the model: a reader or an outline has put its shapes together.
+fn is_one_shape(solid: &Solid) -> bool {
+    solid.boundary().is_some() && solid.node().operand_refs().next().is_some()
+}
+
 /// A short description of the node itself.
 fn what(solid: &Solid) -> String {
+    if is_one_shape(solid) {
+        let count = expanded_size(solid, MAX_SHAPES);
+        let at_least = if count >= MAX_SHAPES { "at least " } else { "" };
+        return format!("composed of {at_least}{count} shapes");
+    }
     match solid.node() {
         Node::Empty | Node::Universe | Node::Primitive(_) => solid.to_string(),
         Node::Complement(_) => "complement".to_owned(),
@@ -136,6 +149,7 @@ fn what(solid: &Solid) -> String {
 fn operands(solid: &Solid) -> Vec<Solid> {
     match solid.node() {
         Node::Named(..) => vec![solid.clone()],
+        _ if is_one_shape(solid) => Vec::new(),
         node => node.operand_refs().cloned().collect(),
     }
 }
@@ -179,6 +193,15 @@ thing = union of 2
         let drawn = draw(&[&pair | &pair], 12, 200);
         assert_eq!(drawn.matches("sphere").count(), 2);
         assert_eq!(drawn.matches("(as above)").count(), 1);
+    }
+
+    /// An outline that is revolved consists of cones and planes, which are not in the model file.
+    #[test]
+    fn outlines_are_one_line() {
+        let model = "rayweave = 1\n[solid.pawn.revolve]\noutline = [[0, 0], [20, 0], { at = [20, 5], fillet = 2 }, [8, 10], [0, 40]]";
+        let (_, scene) = rayweave::scene::parse(model).unwrap();
+        let drawn = draw(&[scene.regions[0].solid.clone()], 12, 200);
+        assert!(drawn.starts_with("pawn = composed of ") && drawn.lines().count() == 1, "{drawn}");
     }
 
     #[test]

@@ -170,3 +170,50 @@ fn polyhedra_of_dumps_are_the_right_way_out() {
     let said = bench.says(&["check", "wrong.csg", "--cells", "16"]);
     assert!(said.contains("shells inside out: 1"), "{said}");
 }
+
+/// The two pieces of a disc that a ring cuts apart, and the shells of the mesh that they become; and a cavity.
+#[test]
+fn loose_pieces_and_cavities() {
+    let bench = Bench::new();
+    let disc = "rayweave = 1\n[solid.disc]\ncylinder = { radius = 20, height = 10 }\n[solid.ring]\n\
+        tube = { outer_radius = 15, inner_radius = 14, height = 30 }\n[solid.part]\nexpr = \"disc - ring\"\n[[region]]\nsolid = \"part\"\n";
+    bench.write("disc.toml", disc);
+    let said = bench.says(&["check", "disc.toml", "--fail-on", "all"]);
+    assert!(said.contains("loose: part consists of 2 separate pieces; the smallest"), "{said}");
+    bench.fails(1, &["check", "disc.toml", "--fail-on", "loose"]);
+    bench.says(&["convert", "disc.toml", "disc.stl", "--tolerance", "0.1"]);
+    assert!(
+        bench.says(&["info", "disc.stl"]).contains("2: 2 pieces"),
+        "{}",
+        bench.says(&["info", "disc.stl"])
+    );
+    let hollow = "rayweave = 1\n[solid.block]\nbox = { size = 10 }\n[solid.bubble]\nsphere = { radius = 3 }\n\
+        [solid.part]\nexpr = \"block - bubble\"\n[[region]]\nsolid = \"part\"\n";
+    bench.write("hollow.toml", hollow);
+    let said = bench.says(&["check", "hollow.toml"]);
+    assert!(said.contains("cavity: part has a closed cavity with a volume of about 11"), "{said}");
+    bench.says(&["convert", "hollow.toml", "hollow.stl", "--tolerance", "0.1"]);
+    assert!(
+        bench.says(&["info", "hollow.stl"]).contains("2: 1 piece, 1 cavity"),
+        "{}",
+        bench.says(&["info", "hollow.stl"])
+    );
+    let json = bench.json(&["info", "hollow.stl", "--json"]);
+    assert_eq!(
+        (&json["meshes"][0]["pieces"], &json["meshes"][0]["cavities"]),
+        (&1.into(), &1.into()),
+        "{json}"
+    );
+}
+
+/// Six equal holes leave six equal walls to the rim: one line with their number.
+#[test]
+fn equal_findings_are_one_line() {
+    let bench = Bench::new();
+    let plate = "rayweave = 1\n[solid.disc]\ncylinder = { radius = 20, height = 10 }\n[solid.hole]\ncylinder = { radius = 2 }\n\
+        [solid.holes]\nplace = { solid = \"hole\", ring = 6, radius = 17 }\n[solid.part]\nexpr = \"disc - holes\"\n[[region]]\nsolid = \"part\"\n";
+    bench.write("plate.toml", plate);
+    let said = bench.says(&["check", "plate.toml", "--wall", "1.5"]);
+    assert!(said.contains("thin 6;") && said.contains(" (6 times, for example here)"), "{said}");
+    assert_eq!(said.matches("\nthin: ").count(), 1, "{said}");
+}

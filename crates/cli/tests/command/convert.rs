@@ -80,20 +80,50 @@ fn one_solid_of_a_model() {
     assert!(said.contains("\nsampled with ") && said.contains(" rays: one part, 0 operands\n"), "{said}");
 }
 
+/// A converted lens has the stop, image, fields and wavelengths of its file: for each field, the centroid and the RMS radius of the
+/// light are those of the file, whose rays are others.
 #[test]
-fn a_lens_file_is_refused_with_what_is_possible() {
+fn lens_files_become_models_with_their_light() {
     let bench = Bench::new();
-    bench.write("lens.zmx", "UNIT MM\nENPD 10\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n CURV 0.02\nSURF 2\n");
-    let refused = bench.fails(3, &["convert", "lens.zmx", "lens.toml"]);
+    let triplet = std::fs::read_to_string("../../models/optics/cooke-triplet.zmx").unwrap();
+    let mut compared = 0;
+    for field in ["0", "14", "20"] {
+        let file: Vec<String> = triplet
+            .lines()
+            .map(|line| match line.split_whitespace().next() {
+                Some("YFLN") => format!("YFLN {field}"),
+                Some("XFLN") => "XFLN 0".to_owned(),
+                Some("FTYP") => "FTYP 0 0 1 3".to_owned(),
+                _ => line.to_owned(),
+            })
+            .collect();
+        bench.write("lens.zmx", file.join("\n"));
+        bench.says(&["convert", "lens.zmx", "lens.toml"]);
+        let [own, model] = ["lens.zmx", "lens.toml"].map(|name| {
+            let found = bench.json(&["optics", name, "--json"]);
+            let sheets = found["sheets"].as_array().unwrap().clone();
+            sheets.into_iter().find(|sheet| sheet["sheet"] == "image").unwrap()
+        });
+        let number = |value: &serde_json::Value, what: &str| value[what].as_f64().unwrap();
+        // a lens file has a radius for its field, in order of the surfaces
+        let expected = number(&own["fields"][0], "rms_radius");
+        let found = number(&model, "rms_radius");
+        assert!((found / expected - 1.0).abs() < 0.03, "{field}: {found}, not {expected}");
+        let height = |sheet: &serde_json::Value| sheet["centroid"][1].as_f64().unwrap();
+        assert!((height(&model) - height(&own["fields"][0])).abs() < 0.1 * expected, "{model} {own}");
+        compared += 1;
+    }
+    assert_eq!(compared, 3);
+    let text = bench.read("lens.toml");
+    assert!(text.contains("name = \"image\"") && text.contains("\"N-SK16\""), "{text}");
+    // other formats have the solids only
+    let done = bench.run(&["convert", "lens.zmx", "lens.stl"]);
     assert!(
-        refused.contains("lens.zmx: a lens file is not converted: only `optics` and `info` read"),
-        "{refused}"
+        done.code == 0 && done.err.contains("the fields and the wavelengths are left out"),
+        "{}",
+        done.err
     );
-    assert!(
-        refused.contains(r#"read_zmx("lens.zmx").system().save("lens.toml") writes its lenses"#),
-        "{refused}"
-    );
-    assert!(!bench.files().contains(&"lens.toml".to_owned()));
+    bench.fails(3, &["convert", "lens.zmx", "lens.stl", "--strict"]);
 }
 
 #[test]

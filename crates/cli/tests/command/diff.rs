@@ -99,3 +99,21 @@ fn trouble_is_2() {
     );
     bench.fails(2, &["diff", "ball.toml"]);
 }
+
+/// A radius of 20/3 with the six digits of a .csg file: a difference of 3e-6, which a note explains.
+#[test]
+fn rounded_numbers_of_csg_files_are_explained() {
+    let bench = Bench::new();
+    bench.write("ball.toml", "rayweave = 1\n[solid.ball]\nsphere = { radius = \"20 / 3\" }\n");
+    bench.write("ball.csg", "sphere($fn = 0, $fa = 12, $fs = 2, r = 6.66667);");
+    let run = bench.run(&["diff", "ball.toml", "ball.csg", "--cells", "24", "--rays", "20000"]);
+    assert!(
+        run.code == 1 && run.err.contains("six digits") && run.err.contains("--distance 1e-5"),
+        "{}",
+        run.err
+    );
+    bench.says(&["diff", "ball.toml", "ball.csg", "--cells", "24", "--distance", "1e-5"]);
+    bench.write("large.toml", "rayweave = 1\n[solid.ball]\nsphere = { radius = 7 }\n");
+    let run = bench.run(&["diff", "large.toml", "ball.csg", "--cells", "24", "--rays", "20000"]);
+    assert!(run.code == 1 && !run.err.contains("six digits"), "{}", run.err);
+}

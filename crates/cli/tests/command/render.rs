@@ -174,6 +174,27 @@ fn sheets_and_legends() {
 }
 
 #[test]
+fn technical_drawings() {
+    let bench = Bench::new();
+    let plate = "rayweave = 1\n[solid.plate]\nbox = { size = [60, 40, 8] }\n[solid.hole]\ncylinder = { radius = 3 }\n\
+        [solid.part]\nexpr = \"plate - hole\"\n[[region]]\nsolid = \"part\"\n";
+    bench.write("plate.toml", plate);
+    let draw = ["render", "plate.toml", "--view", "sheet", "--dimensions"];
+    let said = bench.says(&[&draw[..], &["-o", "plate.svg"]].concat());
+    assert_eq!(said, "wrote plate.svg\n");
+    let svg = bench.read("plate.svg");
+    for text in ["\u{2300}6 through", "60", "40", "8"] {
+        assert!(svg.contains(&format!(">{text}</text>")), "{text}: {svg}");
+    }
+    assert!(svg.contains("scale 1:1") && svg.contains("third-angle projection"), "{svg}");
+    bench.says(&[&draw[..], &["--projection", "first", "-o", "plate.pdf"]].concat());
+    assert!(bench.bytes("plate.pdf").starts_with(b"%PDF-"));
+    let without = bench.fails(2, &["render", "plate.toml", "--view", "top", "--dimensions", "-o", "p.svg"]);
+    assert!(without.contains("Add --view sheet."), "{without}");
+    bench.fails(2, &[&draw[..], &["--cut", "x>0", "-o", "p.svg"]].concat());
+}
+
+#[test]
 fn wrong_views() {
     let bench = Bench::new();
     let fails = |options: &[&str]| bench.fails(2, &[&["render", "ball.toml"], options].concat());

@@ -128,3 +128,23 @@ fn cut_faces_are_hatched_and_dimensioned() {
     let stack = ["section", "ball.toml", "--from", "0", "--to", "0.5", "--dimensions"];
     assert!(bench.fails(2, &stack).contains("cannot be used with"));
 }
+
+/// A half ball on a plate, cut beside the ball: behind the plane is its outline.
+#[test]
+fn edges_behind_the_plane_are_drawn() {
+    let bench = bench();
+    let model = "rayweave = 1\n[solid.plate]\nbox_from_corners = { lo = [-9, -9, 0], hi = [9, 9, 2] }\n[solid.ball]\n\
+        sphere = { radius = 4 }\n[solid.part]\nexpr = \"plate | ball\"\n[[region]]\nsolid = \"part\"\n";
+    bench.write("dome.toml", model);
+    let beyond = |more: &[&str]| {
+        bench.says(&[&["section", "dome.toml", "--plane", "y=-6", "-o", "dome.svg"], more].concat());
+        bench.read("dome.svg").matches("class=\"beyond\"").count()
+    };
+    assert_eq!(beyond(&[]), 0);
+    assert!(beyond(&["--beyond"]) > 0 && beyond(&["--hatch"]) > 0);
+    assert_eq!(beyond(&["--hatch", "--no-beyond"]), 0);
+    // the drawing reaches to the ends of the ball, 4 below and above the middle
+    bench.says(&["section", "dome.toml", "--plane", "y=-6", "--hatch", "--dimensions", "-o", "dome.svg"]);
+    let svg = bench.read("dome.svg");
+    assert!(svg.contains(">18</text>") && svg.contains(">8</text>"), "{svg}");
+}

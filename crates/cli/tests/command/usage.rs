@@ -95,3 +95,12 @@ fn output_that_cannot_be_written_is_a_failure() {
         assert!(message.contains("cannot write to standard output"), "{message}");
     }
 }
+
+#[test]
+fn commands_of_other_programs_get_advice() {
+    let bench = Bench::new();
+    let said = bench.fails(2, &["mtf", "lens.zmx"]);
+    assert!(said.contains("lens.diffraction_mtf()") && said.contains("docs/guides/lens-design.md"), "{said}");
+    assert!(bench.fails(2, &["slice", "ball.toml"]).contains("rayweave section MODEL --plane z=0"));
+    assert!(bench.fails(2, &["rendr", "ball.toml"]).contains("render"));
+}
