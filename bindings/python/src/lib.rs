@@ -128,7 +128,7 @@ mod _core {
     #[pymodule_export]
     use crate::polygons::{PyPolygons, region_from_polygons};
     #[pymodule_export]
-    use crate::render::{notebook_picture, render_array, sheet_svg};
+    use crate::render::{notebook_picture, render_array, sheet_svg, technical_svg};
     #[pymodule_export]
     use crate::rootray::{PyRootRay, count_surfaces, least_separation, root_problems};
     #[pymodule_export]

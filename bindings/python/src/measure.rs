@@ -13,12 +13,13 @@ use crate::interrupt::interruptible;
 use crate::subject::{bounds, scene};
 
 /// Names of regions and media; numbers of rays and whether the precision is reached; the numbers of each region with their
-/// half widths, row by row: volume, area, mass, volume by formula, centre (3), inertia (9).
+/// half widths, row by row: volume, area, mass, volume by formula, centre (3), inertia (9); the lower and upper corners of the boxes.
 type Columns<'py> = (
     Vec<String>,
     Vec<String>,
     (Bound<'py, PyArray1<u64>>, Bound<'py, PyArray1<bool>>),
     [Bound<'py, PyArray2<f64>>; 2],
+    Bound<'py, PyArray2<f64>>,
 );
 
 /// The number of values of a region.
@@ -67,6 +68,11 @@ fn columns<'py>(py: Python<'py>, report: &SceneReport) -> PyResult<Columns<'py>>
         let table = Array2::from_shape_vec((all.len(), NUMBERS), values).map_err(bad_value)?;
         Ok::<_, PyErr>(PyArray2::from_owned_array(py, table))
     };
+    let corners = regions.iter().flat_map(|region| match region.bounds {
+        Some(own) => [own.lo.to_array(), own.hi.to_array()].concat(),
+        None => vec![f64::NAN; 6],
+    });
+    let corners: Vec<f64> = corners.collect();
     Ok((
         regions.iter().map(|region| region.measured.name.clone()).collect(),
         regions.iter().map(|region| region.medium.clone()).collect(),
@@ -75,6 +81,7 @@ fn columns<'py>(py: Python<'py>, report: &SceneReport) -> PyResult<Columns<'py>>
             PyArray1::from_iter(py, regions.iter().map(|region| region.measured.is_reached)),
         ),
         [table(|estimate| estimate.value)?, table(|estimate| estimate.half_width)?],
+        PyArray2::from_owned_array(py, Array2::from_shape_vec((all.len(), 6), corners).map_err(bad_value)?),
     ))
 }
 

@@ -8,12 +8,13 @@ use numpy::{Element, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rayweave::device::{Device, DeviceEvaluator, DeviceOptions};
+use rayweave::draw::technical::{TechnicalOptions, technical_drawing};
 use rayweave::model::Program;
 use rayweave::picture::{
     CutAway, Explosion, Opacity, Picture, PictureOptions, PictureSheet, SheetKind, WholeModel,
 };
 use rayweave::render::{PixelGrid, Size, Style, View};
-use rayweave::{AnyEvaluator, Message};
+use rayweave::{AnyEvaluator, Compiled, Message};
 
 use crate::camera::camera_of;
 use crate::device::{device_argument, warn};
@@ -197,6 +198,33 @@ pub fn sheet_svg(
     finish(py, device.as_ref())?;
     finish(py, whole.as_ref().and_then(|(_, _, device)| device.as_ref()))?;
     Ok(text)
+}
+
+/// A technical drawing of a solid or a model as SVG, with remarks: see `rayweave.sheet`.
+#[pyfunction]
+#[pyo3(signature = (subject: "Subject", title, size, projection, evaluator, threads: "int | None"))]
+pub fn technical_svg(
+    subject: &Bound<'_, PyAny>,
+    title: &str,
+    size: Option<(u32, u32)>,
+    projection: &str,
+    evaluator: Option<&str>,
+    threads: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(String, Vec<String>)> {
+    let py = subject.py();
+    let scene = scene(subject)?.seen();
+    let projection = projection
+        .parse()
+        .map_err(|()| bad_value(format!("projection is '{projection}': it can be third or first.")))?;
+    let size = size.map(|(width, height)| Size::new(width, height)).transpose().map_err(bad_value)?;
+    let options = TechnicalOptions { size, projection };
+    let threads = threads.map(thread_argument).transpose()?;
+    let drawn = released(py, threads, |run| {
+        let compiled = Compiled::new(&scene)?;
+        let evaluator = AnyEvaluator::new(evaluator, compiled.program)?;
+        Ok(technical_drawing(&evaluator, title, scene.unit, &options, run)?)
+    })?;
+    Ok((drawn.svg, drawn.notes))
 }
 
 /// Checks after drawing that the device has answered all queries.

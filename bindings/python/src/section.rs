@@ -78,6 +78,13 @@ impl PySection {
         self.numbers(py, |part| part.area)
     }
 
+    /// (P,) the largest errors of the areas: the tolerance times the perimeter. Areas between straight edges are exact to rounding.
+    #[getter]
+    fn area_errors<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let tolerance = self.section.tolerance;
+        PyArray1::from_iter(py, self.section.parts.iter().map(|part| tolerance * part.perimeter))
+    }
+
     /// (P,) perimeters of the parts, holes included.
     #[getter]
     fn perimeters<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
@@ -115,7 +122,13 @@ impl PySection {
     }
 
     fn __repr__(&self) -> String {
-        let part = |part: &SectionPart| format!("{} {:.6}", part.name, part.area);
+        let tolerance = self.section.tolerance;
+        let part = |part: &SectionPart| {
+            let error = tolerance * part.perimeter;
+            // as many digits as are accurate
+            let area = rayweave::draw::axis::format_number(part.area, 0.1 * error);
+            format!("{} {area} \u{b1} {error:.1e}", part.name)
+        };
         let parts: Vec<String> = self.section.parts.iter().map(part).collect();
         let areas = if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") };
         format!("<Section {}, areas in {}^2: {areas}>", self.section.plane, self.unit)
@@ -132,19 +145,19 @@ impl PySection {
         PyTuple::new(py, self.names())?.try_iter()
     }
 
-    /// The parts as a pandas DataFrame: name, area, perimeter.
+    /// The parts as a pandas DataFrame: name, area, area_error, perimeter.
     #[pyo3(signature = () -> "Any")]
     fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         rows(slf)?.call_method0("to_pandas")
     }
 
-    /// The parts as an Arrow table: name, area, perimeter.
+    /// The parts as an Arrow table: name, area, area_error, perimeter.
     #[pyo3(signature = () -> "Any")]
     fn to_arrow<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         rows(slf)?.call_method0("to_arrow")
     }
 
-    /// The parts as an xarray Dataset with the dimension `row`: name, area, perimeter.
+    /// The parts as an xarray Dataset with the dimension `row`: name, area, area_error, perimeter.
     #[pyo3(signature = () -> "Any")]
     fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         rows(slf)?.call_method0("to_xarray")

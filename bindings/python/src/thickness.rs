@@ -30,15 +30,21 @@ type Maps<'py> = (
 
 /// Path lengths of rays through each medium: see `rayweave.thickness`.
 #[pyfunction]
-#[pyo3(signature = (subject: "Subject", view, camera: "Camera | None", size, evaluator, threads: "int | None"))]
+#[pyo3(signature = (subject: "Subject", view, camera: "Camera | None", size, by, evaluator, threads: "int | None"))]
 pub fn thickness_maps<'py>(
     subject: &Bound<'py, PyAny>,
     view: Option<&str>,
     camera: Option<&Bound<'py, PyAny>>,
     size: Option<(u32, u32)>,
+    by: &str,
     evaluator: Option<&str>,
     threads: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Maps<'py>> {
+    let by_region = match by {
+        "medium" => false,
+        "region" => true,
+        other => return Err(bad_value(format!("by is '{other}': it can be medium or region."))),
+    };
     let py = subject.py();
     let mut scene = scene(subject)?;
     if let Some(object) = camera {
@@ -53,9 +59,9 @@ pub fn thickness_maps<'py>(
     let cancel = Cancel::new();
     let threads = threads.map(thread_argument).transpose()?;
     let (map, pixel) = interruptible(py, &cancel, || {
-        let compiled = Compiled::new(&scene)?;
+        let compiled = if by_region { Compiled::by_region(&scene)? } else { Compiled::new(&scene)? };
         let evaluator = AnyEvaluator::new(evaluator, compiled.program.clone())?;
-        let mut run = ThicknessRun { threads, cancel: cancel.clone(), progress: None };
+        let mut run = ThicknessRun { threads, cancel: cancel.clone(), ..ThicknessRun::default() };
         let (camera, RenderOptions { size, .. }) = arrange(&scene, &compiled, &options)?;
         let ray = |x: usize, y: usize| camera.ray(size, x as f64 + 0.5, y as f64 + 0.5);
         let size = [size.width(), size.height()];
@@ -63,7 +69,8 @@ pub fn thickness_maps<'py>(
             Projection::Orthographic { height } => Some(height / size[1] as f64),
             Projection::Perspective { .. } => None,
         };
-        Ok::<_, Error>((ThicknessMap::new(&compiled, &evaluator, size, ray, &mut run)?, pixel))
+        let map = ThicknessMap::new(&compiled, &evaluator, size, ray, &mut run)?;
+        Ok::<_, Error>((if by_region { map.of_regions(&scene) } else { map }, pixel))
     })?;
     let ([width, height], media) = (map.size(), map.media().len());
     let lengths = Array3::from_shape_vec((height, width, media), map.path_lengths().values().to_vec());

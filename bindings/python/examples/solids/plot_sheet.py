@@ -2,7 +2,8 @@
 A drawing sheet
 ===============
 
-Front, top and right view to one scale and a view from the corner, with a legend of the media, as an SVG drawing.
+Front, top and right view to one scale and a view from the corner, with a legend of the media, as an SVG drawing; and the
+same part as a technical drawing with dimensions.
 """
 
 import rayweave as rw
@@ -15,3 +16,7 @@ model = rw.Model(
 
 drawing = rw.sheet(model, title="Bracket", size=(1000, 750))
 assert drawing.svg.count("<svg") == 1
+
+technical = rw.sheet(model, title="Bracket", dimensions=True)
+for text in ("\u230018 through", "4\u00d7 \u23006 through", "60", "40"):
+    assert f">{text}</text>" in technical.svg

@@ -24,7 +24,8 @@ class Measurement(Table):
     """The measured values of R regions; `x_half_width` is half the width of the confidence interval of `x`.
 
     Lengths are in the unit of the document. Unknown values are NaN: the mass of a medium without a density, the volume
-    by formula of anything but a single shape or mesh, the centre of a region that no ray has hit.
+    by formula of anything but a single shape or mesh, the centre of a region that no ray has hit, the bounds in a model of more
+    than 32 regions or with `within`.
 
     >>> import rayweave as rw
     >>> found = rw.measure({"die": rw.box(2), "ball": rw.sphere(1).translate([5, 0, 0])})
@@ -34,7 +35,7 @@ class Measurement(Table):
 
     _columns: ClassVar[tuple[str, ...]] = (
         "regions", "media", "volume", "volume_half_width", "volume_by_formula", "area", "area_half_width", "mass",
-        "mass_half_width", "centre", "centre_half_width", "rays", "is_reached",
+        "mass_half_width", "centre", "centre_half_width", "bounds", "rays", "is_reached",
     )  # fmt: skip
 
     regions: tuple[str, ...]
@@ -58,6 +59,8 @@ class Measurement(Table):
     inertia: _Array
     """(R, 3, 3) inertia tensors about the centre for density 1, integral of |r|^2 1 - r r^T."""
     inertia_half_width: _Array
+    bounds: _Array
+    """(R, 2, 3) lower and upper corners of boxes that the regions reach on all sides."""
     rays: NDArray[np.uint64]
     """(R,) numbers of rays that were traced for each region."""
     is_reached: NDArray[np.bool_]
@@ -98,7 +101,7 @@ def measure(
     >>> bool(abs(found.volume[0] - 4.18879) < 3 * found.volume_half_width[0])
     True
     """
-    regions, media, (rays, is_reached), (values, widths) = _core.measure_columns(
+    regions, media, (rays, is_reached), (values, widths), boxes = _core.measure_columns(
         subject,
         precision,
         confidence,
@@ -123,6 +126,7 @@ def measure(
         widths[:, 4:7],
         values[:, 7:].reshape(count, 3, 3),
         widths[:, 7:].reshape(count, 3, 3),
+        boxes.reshape(count, 2, 3),
         rays,
         is_reached,
     )

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypeVar, overload
+from warnings import warn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +18,7 @@ from rayweave import _core
 from rayweave._drawing import Drawing, show
 from rayweave._model import Subject
 from rayweave._package import package
+from rayweave._whole import whole
 from rayweave._words import suggesting
 
 View: TypeAlias = Literal["front", "back", "left", "right", "top", "bottom", "iso"]
@@ -253,6 +255,8 @@ def sheet(
     cut: str | None = None,
     explode: str | None = None,
     opacity: Opacity | None = None,
+    dimensions: bool = False,
+    projection: Literal["third", "first"] = "third",
     evaluator: str | None = None,
     threads: int | None = None,
     device: Device = "cpu",
@@ -270,7 +274,12 @@ def sheet(
     view
         Only this view, with the legend.
     size
-        Width and height of the sheet in pixels; 1280 x 960, or 1280 x 720 of one view.
+        Width and height of the sheet in pixels; 1280 x 960, 1280 x 720 of one view, or A4 with dimensions.
+    dimensions
+        A technical drawing to a standard scale: visible edges, centre lines, overall sizes, diameters and depths of holes, circles
+        of holes. It takes `title`, `size`, `projection`, `evaluator` and `threads`.
+    projection
+        The method of projection of a drawing with dimensions: "third" or "first" angle.
     shading, edges, shadows, samples, cut, explode, opacity, evaluator, threads, device
         As in `render`.
 
@@ -278,7 +287,22 @@ def sheet(
     --------
     >>> drawing = sheet(box(2) - sphere(1.3), cut="x>50%")
     >>> drawing.save("hollow.svg")
+    >>> plate = box([60, 40, 8]) - cylinder(3)
+    >>> "\u23006 through" in sheet(plate, dimensions=True).svg
+    True
     """
+    if dimensions:
+        others = dict(
+            view=view, shading=shading, edges=edges, shadows=shadows, samples=samples, cut=cut, explode=explode, opacity=opacity
+        )
+        given = [name for name, value in others.items() if value is not None]
+        if given:
+            raise TypeError(f"{given[0]} is given with dimensions: a technical drawing shows the edges of the whole model.")
+        pixels = None if size is None else (whole(size[0], "the width", bits=32), whole(size[1], "the height", bits=32))
+        svg, notes = _core.technical_svg(subject, title, pixels, projection, evaluator, threads)
+        for note in notes:
+            warn(note, stacklevel=2)
+        return Drawing(svg)
     arguments = dict(
         size=size,
         view=view,

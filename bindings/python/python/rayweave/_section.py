@@ -147,4 +147,5 @@ def _vector(values: ArrayLike, name: str) -> list[float]:
 def rows_of(found: Section) -> Rows:
     """The parts of a section as rows."""
     names = np.array(found.names, dtype=object)
-    return Rows({"name": names, "area": found.areas, "perimeter": found.perimeters}, {})
+    columns = {"name": names, "area": found.areas, "area_error": found.area_errors, "perimeter": found.perimeters}
+    return Rows(columns, {})

@@ -6,7 +6,7 @@ from base64 import b64encode
 from collections.abc import Iterator
 from dataclasses import dataclass
 from html import escape
-from typing import Any
+from typing import Any, Literal
 from warnings import warn
 
 import numpy as np
@@ -25,7 +25,7 @@ _Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Thickness:
-    """The path length of the ray of each pixel in each of M media.
+    """The path length of the ray of each pixel in each of M media, or in each of M regions with `by="region"`.
 
     >>> import rayweave as rw
     >>> found = rw.thickness({"die": rw.box(2)}, view="front", size=(5, 3))
@@ -36,7 +36,7 @@ class Thickness:
     """
 
     media: tuple[str, ...]
-    """The names of the media; the first is that of the world."""
+    """The names of the media or regions; the first is that of the world."""
     lengths: _Array
     """(H, W, M) path lengths; in the world only between the first and the last crossing; inf where a medium is
     unbounded."""
@@ -129,6 +129,7 @@ def thickness(
     view: str | None = None,
     camera: Camera | None = None,
     size: tuple[int, int] | None = None,
+    by: Literal["medium", "region"] = "medium",
     evaluator: str | None = None,
     threads: int | None = None,
 ) -> Thickness:
@@ -138,7 +139,8 @@ def thickness(
     `rayweave.Camera`; without either, the camera of the model is used. A point source at the distance s from a flat detector of
     height h is a perspective camera: `Camera(position=source, target=..., field_of_view=2 * degrees(arctan(h / 2 / s)))`. `size` is width
     and height in pixels. In the world, only the length between the first and the last crossing counts, so that air or water
-    around the model does not attenuate.
+    around the model does not attenuate. With `by="region"` each region has its own lengths, also beside others of its medium; the
+    radiograph is the same.
 
     The radiograph uses the numbers `attenuation` (per length) of the media. A medium without one beside others that have
     one is transparent, with a warning. If no medium has one, attenuation is proportional to `density` or, without densities,
@@ -151,6 +153,10 @@ def thickness(
     >>> cone = rw.Camera(position=[0, -9, 0], target=[0, 0, 0], field_of_view=20)
     >>> float(rw.thickness(rw.sphere(1), camera=cone, size=(65, 65)).lengths[32, 32, 1].round(6))
     2.0
+    >>> tray = {"left": rw.box(1), "right": rw.box(2).translate([3, 0, 0])}
+    >>> parts = rw.thickness(tray, view="right", size=(9, 9), by="region")
+    >>> parts.media, float(parts["left"].max())
+    (('world', 'left', 'right'), 1.0)
     """
     if camera is not None and view is not None:
         raise TypeError("camera and view are both given: the rays are those of one of them.")
@@ -165,7 +171,7 @@ def thickness(
             raise TypeError(f"size is {size!r}: {needed}") from None
         pixels = whole(width, "the width", bits=32), whole(height, "the height", bits=32)
     media, attenuation, lengths, (radiograph, integral), unit, pixel_size, remarks = _core.thickness_maps(
-        subject, view, camera, pixels, evaluator, threads
+        subject, view, camera, pixels, by, evaluator, threads
     )
     for remark in remarks:
         warn(remark, stacklevel=3)

@@ -162,7 +162,7 @@ impl GoalOf {
 /// optimisation.
 #[pyfunction]
 #[pyo3(signature = (
-    lens, parameters, goals, *, rings, patience
+    lens, parameters, goals, *, rings, patience, aimed
 ) -> "tuple[CompiledPrescription, dict[str, Any]]")]
 pub fn optimise<'py>(
     lens: &Bound<'py, PyPrescription>,
@@ -170,9 +170,11 @@ pub fn optimise<'py>(
     goals: Vec<GoalOf>,
     rings: usize,
     patience: usize,
+    aimed: bool,
 ) -> PyResult<(PyPrescription, Bound<'py, PyDict>)> {
     let py = lens.py();
     let start = Optimiser::new(lens.get().lens()).rings(rings).evaluation_limit(patience);
+    let start = if aimed { start.aimed() } else { start };
     let start = parameters
         .iter()
         .try_fold(start, |all, name| Ok::<_, PyErr>(all.vary(name.parse().map_err(bad_value)?)))?;

@@ -439,6 +439,7 @@ def optimise(
     *,
     rings: int = RINGS,
     patience: int = 100,
+    aimed: bool = False,
 ) -> Optimum:
     """Minimises the sum of squares of the weighted deviations from goals, starting from a prescription.
 
@@ -446,9 +447,10 @@ def optimise(
     algorithm is that of Levenberg and Marquardt in the form of J. J. Moré (1978), as in MINPACK. It finds a local minimum
     near the start, not the global one. Spots and wavefronts are means over the pupil from 2 rings (rings + 2) rays
     (`pupil_quadrature`), which exclude the ray through the rim. The search ends after `patience * (number of parameters + 1)` evaluations of the goals,
-    not counting those for derivatives. The search follows rays from surface to surface, also where surfaces cross: a
-    `UserWarning` states that the result cannot be built. Bounds are goals, too: a `UserWarning` names those that the result
-    violates by more than 1 %. They need a larger weight.
+    not counting those for derivatives. With `aimed=True` rays go through points of the stop instead of the entrance pupil, as in
+    `Prescription.rays`, which wide fields need; each evaluation then takes several times as long. The search follows rays from
+    surface to surface, also where surfaces cross: a `UserWarning` states that the result cannot be built. Bounds are goals, too: a
+    `UserWarning` names those that the result violates by more than 1 %. They need a larger weight.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -462,7 +464,7 @@ def optimise(
     names = [text(name, "a parameter") for name in ([parameters] if isinstance(parameters, str) else each(parameters, "parameters", "names"))]
     needs_rings = any(row[0] in ("spot", "wavefront") for row in rows)
     count = whole(rings, "rings", least=1 if needs_rings else 0, bits=31)
-    found = _core.optimise(_lens(lens), names, rows, rings=count, patience=whole(patience, "patience", least=1))
+    found = _core.optimise(_lens(lens), names, rows, rings=count, patience=whole(patience, "patience", least=1), aimed=aimed)
     best = Optimum._of(*found, given)
     _warn_of_crossing(lens, best.lens)
     _warn_of_bounds(given, best.goals)
