@@ -99,6 +99,7 @@ __all__ = [
     "space_trace",
     "space_trace_along",
     "surface_count",
+    "technical_svg",
     "thickness_maps",
     "timeline_svg",
     "tolerance",
@@ -257,7 +258,7 @@ def measure_columns(
     seed: int,
     evaluator: str | None,
     threads: int | None,
-) -> tuple[list[str], list[str], tuple[NDArray[np.uint64], NDArray[np.bool_]], list[NDArray[np.float64]]]:
+) -> tuple[list[str], list[str], tuple[NDArray[np.uint64], NDArray[np.bool_]], list[NDArray[np.float64]], NDArray[np.float64]]:
     """Volume, area, mass and moments of the regions of a solid or a model: see `rayweave.measure`."""
 
 @final
@@ -637,6 +638,7 @@ def optimise(
     *,
     rings: int,
     patience: int,
+    aimed: bool,
 ) -> tuple[CompiledPrescription, dict[str, Any]]:
     """The prescription that an optimisation finds, the values of the parameters, and the course of the
     optimisation.
@@ -1286,6 +1288,16 @@ def render(subject: Subject, kind: str, arguments: Mapping[str, Any]) -> NDArray
 def sheet_svg(subject: Subject, title: str, is_one: bool, arguments: Mapping[str, Any]) -> str:
     """A sheet with pictures of a solid or a model and a legend, as SVG: see `rayweave.sheet`."""
 
+def technical_svg(
+    subject: Subject,
+    title: str,
+    size: tuple[int, int] | None,
+    projection: str,
+    evaluator: str | None,
+    threads: int | None,
+) -> tuple[str, list[str]]:
+    """A technical drawing of a solid or a model as SVG, with remarks: see `rayweave.sheet`."""
+
 def notebook_png(subject: Subject) -> bytes:
     """A picture as a PNG file for notebooks."""
 
@@ -1406,6 +1418,10 @@ class Section:
         """(P,) areas of the parts."""
 
     @property
+    def area_errors(self) -> NDArray[np.float64]:
+        """(P,) the largest errors of the areas: the tolerance times the perimeter. Areas between straight edges are exact to rounding."""
+
+    @property
     def perimeters(self) -> NDArray[np.float64]:
         """(P,) perimeters of the parts, holes included."""
 
@@ -1425,13 +1441,13 @@ class Section:
         """The names of the parts."""
 
     def to_pandas(self) -> Any:
-        """The parts as a pandas DataFrame: name, area, perimeter."""
+        """The parts as a pandas DataFrame: name, area, area_error, perimeter."""
 
     def to_arrow(self) -> Any:
-        """The parts as an Arrow table: name, area, perimeter."""
+        """The parts as an Arrow table: name, area, area_error, perimeter."""
 
     def to_xarray(self) -> Any:
-        """The parts as an xarray Dataset with the dimension `row`: name, area, perimeter."""
+        """The parts as an xarray Dataset with the dimension `row`: name, area, area_error, perimeter."""
 
     def save(self, path: str | PathLike[str], *, title: str = "") -> None:
         """Writes the section as a picture (.svg) or as closed polylines and circles (.dxf): see `rayweave.save_section`.
@@ -2048,6 +2064,7 @@ def thickness_maps(
     view: str | None,
     camera: Camera | None,
     size: tuple[int, int] | None,
+    by: str,
     evaluator: str | None,
     threads: int | None,
 ) -> tuple[list[str], list[float], NDArray[np.float64], list[NDArray[np.float64]], str, float | None, list[str]]:
