@@ -1,128 +1,20 @@
-//! Diameters of the circles of a view, with leader lines.
+//! Diameters of the circles of a view as texts, with leader lines.
 
+use super::circle::{Circle, Group};
 use super::panel::Panel;
-use crate::axis::format_number;
 use crate::dimension::arrow;
 use crate::svg::{Anchor, Svg};
-use rayweave_analysis::features::CylindricalFace;
-use rayweave_analysis::section::Cut;
 
 type Point = [f64; 2];
-
-/// A cylindrical face, seen along its axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Circle {
-    pub centre: Point,
-    pub radius: f64,
-    pub is_hole: bool,
-    /// True if more than half of the circle is there; it has a diameter, and others have a radius.
-    pub is_full: bool,
-    pub depth: Option<f64>,
-}
-
-/// Circles with the same text.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Group {
-    pub circles: Vec<Circle>,
-    pub text: String,
-    /// The centre and the radius of the circle on which they lie at equal distances.
-    pub ring: Option<(Point, f64)>,
-}
 
 /// The distance of lines of text, the approximate width of a character, and the distance of texts from their leader lines.
 const ROW: f64 = 17.0;
 const LETTER: f64 = 6.9;
 const BESIDE: f64 = 4.0;
 
-impl Circle {
-    pub fn new(face: &CylindricalFace, plane: &Cut) -> Circle {
-        Circle {
-            centre: plane.place(0.5 * (face.ends[0] + face.ends[1])),
-            radius: face.radius,
-            is_hole: face.is_hole,
-            is_full: face.share > 0.5,
-            depth: face.depth,
-        }
-    }
-
-    fn is_like(&self, other: &Circle, tolerance: f64) -> bool {
-        let is_near = |a: Option<f64>, b: Option<f64>| match (a, b) {
-            (Some(a), Some(b)) => (a - b).abs() < tolerance,
-            (None, None) => true,
-            _ => false,
-        };
-        (self.is_hole || !self.is_full, self.is_full) == (other.is_hole || !other.is_full, other.is_full)
-            && (self.radius - other.radius).abs() < tolerance
-            && is_near(self.depth, other.depth)
-    }
-}
-
 /// The approximate width of a text.
 pub fn width(text: &str) -> f64 {
     LETTER * text.chars().count() as f64
-}
-
-/// Groups circles of the same size, kind and depth, the largest first. `size` is that of the model.
-pub fn groups(circles: Vec<Circle>, size: f64) -> Vec<Group> {
-    let tolerance = 1e-7 * size;
-    let distance = |a: Point, b: Point| libm::hypot(a[0] - b[0], a[1] - b[1]);
-    let mut groups: Vec<Vec<Circle>> = Vec::new();
-    for circle in circles {
-        match groups.iter_mut().find(|group| group[0].is_like(&circle, tolerance)) {
-            // one behind the other, as in both arms of a fork
-            Some(group) if group.iter().any(|own| distance(own.centre, circle.centre) < tolerance) => {}
-            Some(group) => group.push(circle),
-            None => groups.push(vec![circle]),
-        }
-    }
-    let centres: Vec<Point> = groups.iter().flatten().map(|circle| circle.centre).collect();
-    let group = |circles: Vec<Circle>| {
-        let is_at = |p: Point| centres.iter().any(|centre| distance(*centre, p) < tolerance);
-        let ring = ring(&circles, tolerance).filter(|(centre, _)| circles.len() != 4 || is_at(*centre));
-        let text = text(&circles, ring, 1e-5 * size);
-        Group { circles, text, ring }
-    };
-    groups.into_iter().map(group).collect()
-}
-
-/// The circle on which at least three circles lie at equal angles.
-fn ring(circles: &[Circle], tolerance: f64) -> Option<(Point, f64)> {
-    let count = circles.len();
-    if count < 3 || !circles.iter().all(|circle| circle.is_full) {
-        return None;
-    }
-    let mean = |k: usize| circles.iter().map(|circle| circle.centre[k]).sum::<f64>() / count as f64;
-    let centre = [mean(0), mean(1)];
-    let offsets = circles.iter().map(|circle| [circle.centre[0] - centre[0], circle.centre[1] - centre[1]]);
-    let offsets: Vec<Point> = offsets.collect();
-    let radius = libm::hypot(offsets[0][0], offsets[0][1]);
-    let mut angles: Vec<f64> = offsets.iter().map(|p| libm::atan2(p[1], p[0])).collect();
-    angles.sort_by(f64::total_cmp);
-    let step = std::f64::consts::TAU / count as f64;
-    let is_even =
-        angles.iter().enumerate().all(|(k, angle)| (angle - angles[0] - step * k as f64).abs() < 1e-6);
-    let is_round = offsets.iter().all(|p| (libm::hypot(p[0], p[1]) - radius).abs() < tolerance);
-    (is_even && is_round && radius > tolerance).then_some((centre, radius))
-}
-
-/// The text of a group: number, diameter or radius, depth, and the circle on which they lie.
-fn text(circles: &[Circle], ring: Option<(Point, f64)>, resolution: f64) -> String {
-    let number = |value: f64| format_number(value, resolution);
-    let first = &circles[0];
-    let mut text = if circles.len() > 1 { format!("{}\u{d7} ", circles.len()) } else { String::new() };
-    text += &match first.is_full {
-        true => format!("\u{2300}{}", number(2.0 * first.radius)),
-        false => format!("R{}", number(first.radius)),
-    };
-    match (first.is_full && first.is_hole, first.depth) {
-        (true, Some(depth)) => text += &format!(" \u{d7} {} deep", number(depth)),
-        (true, None) => text += " through",
-        _ => {}
-    }
-    if let Some((_, radius)) = ring {
-        text += &format!(" on \u{2300}{}", number(2.0 * radius));
-    }
-    text
 }
 
 /// Draws the texts to the right of a view, beginning at `x`, with leader lines to the circles.
@@ -161,44 +53,5 @@ pub fn draw(svg: &mut Svg, panel: &Panel, groups: &[Group], x: f64) {
     }
     if let Some(more) = more {
         svg.text("value", [x, y + ROW], Anchor::Start, &more, &more);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn circle(centre: Point, radius: f64, depth: Option<f64>) -> Circle {
-        Circle { centre, radius, is_hole: true, is_full: true, depth }
-    }
-
-    fn texts(circles: &[Circle]) -> Vec<String> {
-        groups(circles.to_vec(), 100.0).into_iter().map(|group| group.text).collect()
-    }
-
-    #[test]
-    fn equal_circles_share_a_text() {
-        let at = |angle: f64| [47.5 * angle.to_radians().cos(), 47.5 * angle.to_radians().sin()];
-        let ring: Vec<Circle> = (0..8).map(|k| circle(at(45.0 * f64::from(k) + 10.0), 4.5, None)).collect();
-        assert_eq!(texts(&ring), ["8\u{d7} \u{2300}9 through on \u{2300}95"]);
-        // without the last one they are not at equal angles
-        assert_eq!(texts(&ring[..7]), ["7\u{d7} \u{2300}9 through"]);
-        let square = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].map(|[x, y]| [20.0 * x, 20.0 * y]);
-        let mut corners = square.map(|at| circle(at, 3.3, Some(12.0))).to_vec();
-        assert_eq!(texts(&corners), ["4\u{d7} \u{2300}6.6 \u{d7} 12 deep"]);
-        corners.push(circle([0.0, 0.0], 10.0, None));
-        let on = format!(
-            "4\u{d7} \u{2300}6.6 \u{d7} 12 deep on \u{2300}{}",
-            format_number(40.0 * 2f64.sqrt(), 1e-3)
-        );
-        assert_eq!(texts(&corners), [on.as_str(), "\u{2300}20 through"]);
-        let round = Circle { is_hole: false, is_full: false, ..circle([0.0; 2], 5.0, None) };
-        assert_eq!(texts(&[round, Circle { centre: [9.0, 0.0], is_hole: true, ..round }]), ["2\u{d7} R5"]);
-        assert_eq!(texts(&[Circle { is_full: true, ..round }]), ["\u{2300}10"]);
-    }
-
-    #[test]
-    fn holes_one_behind_the_other_count_once() {
-        assert_eq!(texts(&[circle([1.0, 2.0], 3.0, None); 2]), ["\u{2300}6 through"]);
     }
 }

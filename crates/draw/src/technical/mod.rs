@@ -4,6 +4,7 @@
 //! edges, dashed for hidden holes, chain lines for the axes of cylinders and for circles of holes. Each view has the overall
 //! sizes, and the diameters of the cylinders that it shows as circles: `4× ⌀6.6 through`, `8× ⌀9 × 12 deep on ⌀95`, `R5`.
 
+mod circle;
 mod label;
 mod panel;
 mod scale;
@@ -13,7 +14,7 @@ pub use scale::ProjectionMethod;
 use crate::edges::{EdgeView, visible_edges};
 use crate::svg::{Anchor, Svg};
 use crate::{DrawError, dimension};
-use label::{Circle, Group, groups};
+use circle::{Circle, Group, groups};
 use panel::Panel;
 use rayweave_analysis::features::{CylindricalFace, cylindrical_faces, extent};
 use rayweave_analysis::section::Cut;
@@ -195,7 +196,9 @@ impl Sheet<'_> {
 fn plane(view: View, point: Vec3) -> Cut {
     let (forward, up) = view.forward_and_up();
     let across = forward.cross(up);
-    Cut::new(point, across, up).unwrap_or_else(|_| unreachable!("the axes of views are perpendicular"))
+    // the upward direction of the view at a slant is not perpendicular to the line of sight
+    Cut::new(point, across, across.cross(forward))
+        .unwrap_or_else(|_| unreachable!("the axes of views are perpendicular"))
 }
 
 /// The corners of a box in a plane.

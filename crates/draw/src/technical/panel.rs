@@ -1,6 +1,6 @@
 //! A view of a drawing: the map to the drawing, centre lines, and hidden holes.
 
-use super::label::Group;
+use super::circle::Group;
 use crate::edges::is_edge;
 use crate::plan::Plan;
 use crate::svg::Svg;
@@ -23,8 +23,9 @@ pub struct Panel {
 /// The length of centre lines beyond the circles and cylinders, in pixels.
 const BEYOND: f64 = 7.0;
 
-/// The relative distance of rays beside a circle that test whether it is visible.
-const BESIDE: f64 = 1e-3;
+/// The relative distance of rays beside a circle that test whether it is visible: on a curved face in front of it, their depths differ
+/// by much less than those at an edge.
+const BESIDE: f64 = 1e-5;
 
 /// The greatest number of cylinders with lines.
 const MAX_FACES: usize = 1000;

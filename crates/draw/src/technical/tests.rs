@@ -43,7 +43,9 @@ fn diameters_hole_circles_and_overall_sizes() {
     let radius = numbers(svg, "centre", "r")[0];
     assert!((radius - 47.5 * 96.0 / 25.4 / scale).abs() < 0.01, "{radius} at 1:{scale}");
     // every hole is visible from above, and none from the front, where the bore is hidden, too
-    assert!(numbers(svg, "hidden", "r").is_empty() && svg.contains("class=\"hidden\""), "{svg}");
+    // (two views with the bore and eight holes each)
+    assert!(numbers(svg, "hidden", "r").is_empty(), "{svg}");
+    assert_eq!(svg.matches("class=\"hidden\"").count(), 18, "{svg}");
 }
 
 /// In first-angle projection the view from above is below that from the front, and the view from the left at its right.
@@ -87,6 +89,14 @@ fn hidden_holes_are_dashed() {
     let svg = drawing(text, &TechnicalOptions::default()).unwrap().svg;
     assert!(has(&svg, "\u{2300}6 \u{d7} 4 deep"), "{svg}");
     assert_eq!(numbers(&svg, "hidden", "r").len(), 1, "{svg}");
+}
+
+/// The view at a slant looks along the diagonal of a cube: along the axes x, y and z in equal parts.
+#[test]
+fn the_view_at_a_slant_is_isometric() {
+    let normal = plane(View::Iso, Vec3::ZERO).normal();
+    let expected = Vec3::new(1.0, -1.0, 1.0).normalize();
+    assert!((normal - expected).length() < 1e-12, "{normal}");
 }
 
 #[test]
