@@ -94,6 +94,8 @@ fn scope<'py>(py: Python<'py>, report: &CheckReport) -> PyResult<Bound<'py, PyDi
     let (dict, scope) = (PyDict::new(py), &report.scope);
     dict.set_item("rays", scope.rays)?;
     dict.set_item("chords", scope.chords)?;
+    dict.set_item("edges", scope.edges)?;
+    dict.set_item("edges_left_out", scope.edges_left_out)?;
     dict.set_item("wall", scope.wall)?;
     dict.set_item("gap", scope.gap)?;
     dict.set_item("distance", scope.distance)?;

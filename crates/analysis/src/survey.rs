@@ -76,6 +76,11 @@ impl Piece<'_> {
         self.entry.after
     }
 
+    /// The faces at its ends.
+    pub(crate) fn faces(&self) -> [Face; 2] {
+        [self.entry.face, self.exit.face]
+    }
+
     /// The regions before and after it.
     pub fn neighbours(&self) -> [RegionId; 2] {
         [self.entry.before, self.exit.after]
@@ -277,7 +282,10 @@ fn chords<E: Evaluator>(
 }
 
 /// The crossings at the ends of the selected span around t = 0; `None` if it is infinite or t = 0 is not in it.
-fn span_around<'a>(answer: &RayAnswer<'a>, is_in: impl Fn(RegionId) -> bool) -> Option<[&'a Crossing; 2]> {
+pub(crate) fn span_around<'a>(
+    answer: &RayAnswer<'a>,
+    is_in: impl Fn(RegionId) -> bool,
+) -> Option<[&'a Crossing; 2]> {
     let (mut inside, mut since) = (is_in(answer.start), None);
     for crossing in answer.crossings.iter().filter(|crossing| is_in(crossing.before) != is_in(crossing.after))
     {

@@ -92,9 +92,9 @@ pub struct Finding {
     /// The depth of an overlap, or the thickness of a wall or gap, in the unit of the model.
     ///
     /// The thickness belongs to [`Finding::ray`] and is exact to rounding errors of the coordinates: the length of that chord where
-    /// it is perpendicular to both faces, otherwise the diameter of the larger of the two balls inside that touch the face at one of
-    /// its ends and pass through the other. It is the least that was found, hence an upper bound of the smallest thickness of the
-    /// region: a thinner wall between the rays is missed ([`CheckSettings::across`](super::CheckSettings::across)). The
+    /// it is perpendicular to both faces or ends at an edge or corner, otherwise the diameter of the larger of the two balls inside that
+    /// touch the face at one of its ends and pass through the other. It is the least that was found, hence an upper bound of the smallest thickness of the
+    /// region: a thinner wall at a face between the rays is missed ([`CheckSettings::across`](super::CheckSettings::across)). The
     /// depth of an overlap is the shortest of several chords through the middle of its thickest place that was found.
     pub size: Option<f64>,
     /// The volume of the overlap, or of the part outside.

@@ -23,6 +23,10 @@
 mod connected;
 #[cfg(test)]
 mod connected_tests;
+#[cfg(test)]
+mod edge_tests;
+mod edges;
+mod facing;
 mod finding;
 mod hierarchy;
 mod narrow;
@@ -30,11 +34,13 @@ mod operands;
 mod pairs;
 mod parts;
 mod pieces;
+mod places;
 mod probe;
 mod report;
 mod section;
 mod settings;
 mod share;
+mod stratum;
 mod subject;
 #[cfg(test)]
 mod tests;

@@ -3,7 +3,7 @@
 use crate::survey::{Across, Faces, Leaves, Piece, confirmed, narrowest};
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, RegionId};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Chords with an estimated width below this multiple of a limit for walls are candidates: a chord beside the narrowest place of a
 /// wall, or slanted, may be wider than the limit.
@@ -29,7 +29,7 @@ pub(super) struct Narrow(BTreeMap<Side, Vec<Candidate>>);
 type Side = (Option<Leaves>, [u32; 2], u8, [i8; 2]);
 
 /// Faces with numbers from here on count as one: those of meshes and of solids with many sides.
-const MANY_FACETS: u32 = 16;
+pub(super) const MANY_FACETS: u32 = 16;
 
 /// A chord of a region, with its width.
 #[derive(Clone, Copy, Debug)]
@@ -85,23 +85,9 @@ impl Narrow {
         }
     }
 
-    /// The narrowest place: a chord of the region, perpendicular to the faces as far as they allow it. Its width is at most that of
-    /// each chord that was added, except for those that exist only because of rounding.
-    pub fn measured<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Option<Across> {
-        self.measured_by_side(evaluator, scratch).into_iter().next()
-    }
-
-    /// The narrowest place between each two faces, as [`measured`](Self::measured), the narrowest first. A pair of faces is there once,
-    /// whatever the directions of the chords between them.
-    pub fn measured_by_faces<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Vec<Across> {
-        let mut known = BTreeSet::new();
-        let mut found = self.measured_by_side(evaluator, scratch);
-        found.retain(|across| known.insert((across.leaves, facets_of(across))));
-        found
-    }
-
-    /// The narrowest place of each side, the narrowest first.
-    fn measured_by_side<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Vec<Across> {
+    /// The narrowest place of each side, the narrowest first: a chord of the region, perpendicular to the faces as far as they allow it.
+    /// The first is at most as wide as each chord that was added, except for those that exist only because of rounding.
+    pub fn measured_by_side<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Vec<Across> {
         let mut all: Vec<Across> = Vec::new();
         for candidates in self.0.values() {
             let mut best: Option<(f64, RegionId, Across)> = None;

@@ -1,14 +1,16 @@
 //! Checks with rays through the whole model: thin walls, gaps, contacts, hidden regions.
 
 use super::connected;
+use super::edges::{Grid, Hits};
+use super::facing::{Between, Facing, Search, touches};
 use super::narrow::{Narrow, SEARCHED};
+use super::places::{Place, distinct};
 use super::probe::{FEW, Probe, leaves_of, rays_of};
 use super::subject::Subject;
 use super::{Finding, FindingKind, Scope};
 use crate::AnalysisError;
-use crate::measure::MeasuredChord;
 use crate::survey::{Faces, Piece};
-use rayweave_math::Bounds;
+use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Program, RegionId};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::sync::Arc;
@@ -17,7 +19,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug)]
 struct Contact {
     area: f64,
-    chord: MeasuredChord,
+    at: Vec3,
 }
 
 /// A pair of regions, the lower number first.
@@ -32,6 +34,26 @@ struct Seen {
     thin: BTreeMap<RegionId, Narrow>,
     gaps: BTreeMap<Two, Narrow>,
     contacts: BTreeMap<Two, Contact>,
+    hits: Hits,
+}
+
+/// The kind of a way between two faces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Wall(RegionId),
+    Gap(Two),
+}
+
+/// The kind of a way through a region; `is_mother(a, b)` is true if region a contains region b.
+fn kind(between: &Between, is_mother: &impl Fn(RegionId, RegionId) -> bool) -> Option<Kind> {
+    let Between { region, beyond: [a, b] } = *between;
+    let (world, pair) = (RegionId(0), [a.min(b), a.max(b)]);
+    match region == world {
+        true => (a != world && b != world).then_some(Kind::Gap(pair)),
+        // the space between daughters is a gap, regardless of its region
+        false if is_mother(region, a) && is_mother(region, b) => Some(Kind::Gap(pair)),
+        false => Some(Kind::Wall(region)),
+    }
 }
 
 impl Seen {
@@ -39,14 +61,14 @@ impl Seen {
     fn piece(
         &mut self,
         piece: &Piece<'_>,
-        [thin, narrow]: [f64; 2],
+        [thin, narrow, searched]: [f64; 3],
         is_mother: &impl Fn(RegionId, RegionId) -> bool,
     ) {
         let (region, [before, after]) = (piece.region(), piece.neighbours());
         let (world, pair) = (RegionId(0), [before.min(after), before.max(after)]);
         if region == world {
             if before != world && after != world {
-                self.narrow(piece, pair, narrow);
+                self.narrow(piece, pair, searched);
             }
             return;
         }
@@ -55,7 +77,7 @@ impl Seen {
         match width(piece, thin.max(narrow)) {
             // the space between daughters is a gap, regardless of its region
             Some(_) if is_mother(region, before) && is_mother(region, after) => {
-                self.narrow(piece, pair, narrow);
+                self.narrow(piece, pair, searched);
             }
             Some(width) if width < SEARCHED * thin => self.thin.entry(region).or_default().add(piece),
             _ => {}
@@ -69,13 +91,12 @@ impl Seen {
     fn touch(&mut self, piece: &Piece<'_>, pair: Two) {
         let chord = piece.chord();
         let cosine = piece.normals()[1].dot((chord.to - chord.from).normalize_or_zero());
-        let contact = Contact { area: piece.area * cosine.abs(), chord };
+        let contact = Contact { area: piece.area * cosine.abs(), at: chord.to };
         self.contacts.entry(pair).and_modify(|known| known.area += contact.area).or_insert(contact);
     }
 
-    fn narrow(&mut self, piece: &Piece<'_>, pair: Two, narrow: f64) {
-        // faces that touch at a point or along a line form no gap, although chords beside it are narrow: no wider ones are searched
-        if width(piece, narrow).is_some_and(|width| width < narrow) {
+    fn narrow(&mut self, piece: &Piece<'_>, pair: Two, searched: f64) {
+        if width(piece, searched).is_some_and(|width| width < searched) {
             self.gaps.entry(pair).or_default().add(piece);
         }
     }
@@ -83,6 +104,7 @@ impl Seen {
     /// Adds the observations of later rays; only rays through the whole model measure contacts.
     fn add(&mut self, other: Seen, has_contacts: bool) {
         self.regions.extend(other.regions);
+        self.hits.append(other.hits);
         self.chords += other.chords;
         for (region, narrow) in other.thin {
             self.thin.entry(region).or_default().append(narrow);
@@ -111,7 +133,9 @@ pub fn findings<E: Evaluator>(
     probe: &mut Probe<'_, E>,
 ) -> Result<Vec<Finding>, AnalysisError> {
     let evaluator = (probe.make)(program)?;
-    let limits = [probe.scope.wall, probe.scope.gap];
+    // the default looks for faces that ought to touch; a given limit also for gaps whose narrowest place is beside the chord
+    let factor = if probe.settings.gap.is_some() { SEARCHED } else { 1.0 };
+    let limits = [probe.scope.wall, probe.scope.gap, factor * probe.scope.gap];
     let is_mother =
         |mother: RegionId, daughter: RegionId| match [mother, daughter].map(|r| r.index().checked_sub(1)) {
             [Some(mother), Some(daughter)] => {
@@ -119,18 +143,45 @@ pub fn findings<E: Evaluator>(
             }
             _ => false,
         };
-    let visit = |seen: &mut Seen, piece: &Piece<'_>| seen.piece(piece, limits, &is_mother);
     let mut seen = Seen::default();
-    let (frame, cells) = (probe.frame, probe.settings.across);
-    let cells = Cells::new(evaluator.program(), &frame, &subject.boxes, cells);
-    probe.survey(&evaluator, &frame, cells.in_frame, visit, |some: Seen| seen.add(some, true))?;
-    for bounds in &subject.boxes {
-        probe.survey(&evaluator, bounds, cells.in_box, visit, |some: Seen| seen.add(some, false))?;
+    let frame = probe.frame;
+    let cells = Cells::new(evaluator.program(), &frame, &subject.boxes, probe.settings.across);
+    let mut search = Search::new(evaluator.program(), frame, limits[0].max(limits[1]));
+    let mut scratch = evaluator.scratch();
+    let matters = |between: &Between| kind(between, &is_mother).is_some();
+    let boxes = subject.boxes.iter().map(|bounds| (bounds, cells.in_box));
+    for (number, (bounds, across)) in std::iter::once((&frame, cells.in_frame)).chain(boxes).enumerate() {
+        let grid = Grid::new(&bounds.intersection(&frame), &frame);
+        let visit = |seen: &mut Seen, piece: &Piece<'_>| {
+            seen.piece(piece, limits, &is_mother);
+            seen.hits.add(piece, &grid, evaluator.program());
+        };
+        probe.survey(&evaluator, bounds, across, visit, |some: Seen| seen.add(some, number == 0))?;
+        let hits = std::mem::take(&mut seen.hits);
+        search.add(&evaluator, &hits, &grid, &matters, &mut scratch);
     }
     probe.scope.chords = seen.chords;
-    let mut found = Vec::new();
-    found.extend(walls_and_gaps(subject, &evaluator, &seen, limits));
+    let least = |between: &Between| match kind(between, &is_mother) {
+        Some(Kind::Wall(_)) => limits[0],
+        Some(Kind::Gap(_)) => limits[1],
+        None => 0.0,
+    };
+    let mut at_edges: Vec<(Kind, Facing)> = Vec::new();
+    for facing in search.found(&evaluator, &least, &mut scratch) {
+        let Some(kind) = kind(&facing.between, &is_mother) else { continue };
+        match (facing.is_contact, kind) {
+            (false, _) => at_edges.push((kind, facing)),
+            (true, Kind::Gap(pair)) if pair[0] != pair[1] => {
+                let at = facing.across.middle();
+                seen.contacts.entry(pair).or_insert(Contact { area: 0.0, at });
+            }
+            _ => {}
+        }
+    }
+    let mut found = walls(subject, &evaluator, &seen, &at_edges, &mut search, limits[0]);
+    found.extend(gaps(subject, &evaluator, &mut seen, &at_edges, &mut search, limits[1]));
     found.extend(contacts(subject, &seen, known, &probe.scope));
+    (probe.scope.edges, probe.scope.edges_left_out) = (search.count, search.left_out);
     for region in 0..subject.regions.len() {
         if !seen.regions.contains(&RegionId::from(region + 1)) {
             found.extend(unseen(subject, region, &evaluator, probe)?);
@@ -177,43 +228,116 @@ impl Cells {
     }
 }
 
-/// The number of thin walls that are reported for each region; further ones are counted.
-const MAX_WALLS: usize = 20;
+/// The number of thin walls that are reported for each region, and of gaps for each two; further ones are counted.
+const MAX_PLACES: usize = 20;
 
-fn walls_and_gaps<E: Evaluator>(
+/// The findings of walls or gaps of one region or two.
+fn listed(
+    kind: FindingKind,
+    names: &[&str],
+    places: &[Place],
+    one: String,
+    more: impl Fn(usize) -> String,
+) -> Vec<Finding> {
+    let mut found: Vec<Finding> = Vec::new();
+    for place in places.iter().take(MAX_PLACES) {
+        found.push(Finding::new(kind, names, one.clone()).seen(place.width, place.across.chord));
+    }
+    let rest = places.len().saturating_sub(MAX_PLACES);
+    if rest > 0 {
+        found.push(Finding::new(kind, names, more(rest)));
+    }
+    found
+}
+
+fn walls<E: Evaluator>(
     subject: &Subject<'_>,
     evaluator: &E,
     seen: &Seen,
-    [thin, narrow]: [f64; 2],
+    at_edges: &[(Kind, Facing)],
+    search: &mut Search<'_>,
+    thin: f64,
 ) -> Vec<Finding> {
     let (mut found, mut scratch) = (Vec::new(), evaluator.scratch());
-    let name = |region: &RegionId| subject.name(region.index() - 1);
-    for (region, candidates) in &seen.thin {
-        let mut walls = candidates.measured_by_faces(evaluator, &mut scratch);
-        walls.retain(|wall| wall.width(Faces::Wall) < thin);
-        let finding = |text: String| Finding::new(FindingKind::Thin, &[name(region)], text);
-        for wall in walls.iter().take(MAX_WALLS) {
-            found
-                .push(finding(format!("{} is thin", name(region))).seen(wall.width(Faces::Wall), wall.chord));
+    for region in &seen.regions {
+        let measured = seen.thin.get(region).map(|narrow| narrow.measured_by_side(evaluator, &mut scratch));
+        let mut places = Vec::new();
+        for across in measured.into_iter().flatten().filter(|across| across.width(Faces::Wall) < thin) {
+            let place = search.between_faces(evaluator, across.chord, &mut scratch);
+            // two faces that meet at an angle have an edge there
+            let is_edge = place.is_some_and(|(place, _)| {
+                let is_beside = (place.ends[0] - across.middle()).length() <= 16.0 * across.chord.length();
+                is_beside && place.distance <= place.tolerance && !place.is_tangent
+            });
+            if !is_edge {
+                places.push(Place::of_faces(&across));
+            }
         }
-        match walls.len().saturating_sub(MAX_WALLS) {
-            0 => {}
-            1 => found.push(finding(format!("{} has 1 more thin wall", name(region)))),
-            more => found.push(finding(format!("{} has {more} more thin walls", name(region)))),
+        let own = at_edges.iter().filter(|(kind, _)| *kind == Kind::Wall(*region));
+        places.extend(own.map(|(_, facing)| Place::of_edges(facing)));
+        let name = subject.name(region.index() - 1);
+        let more = |rest: usize| match rest {
+            1 => format!("{name} has 1 more thin wall"),
+            _ => format!("{name} has {rest} more thin walls"),
+        };
+        found.extend(listed(FindingKind::Thin, &[name], &distinct(places), format!("{name} is thin"), more));
+    }
+    found
+}
+
+/// The narrow gaps. Where two regions touch, there is a contact instead.
+fn gaps<E: Evaluator>(
+    subject: &Subject<'_>,
+    evaluator: &E,
+    seen: &mut Seen,
+    at_edges: &[(Kind, Facing)],
+    search: &mut Search<'_>,
+    narrow: f64,
+) -> Vec<Finding> {
+    let mut scratch = evaluator.scratch();
+    let mut places: BTreeMap<Two, Vec<Place>> = BTreeMap::new();
+    for (pair, candidates) in &seen.gaps {
+        for across in candidates.measured_by_side(evaluator, &mut scratch) {
+            let place = search.between_faces(evaluator, across.chord, &mut scratch);
+            if let Some((place, region)) = place.filter(|(place, _)| place.distance <= place.tolerance) {
+                let (at, between) =
+                    (0.5 * (place.ends[0] + place.ends[1]), Between { region, beyond: *pair });
+                if touches(evaluator, at, between, place.tolerance, &mut scratch) {
+                    seen.contacts.entry(*pair).or_insert(Contact { area: 0.0, at });
+                    continue;
+                }
+            }
+            let better = place.filter(|(place, _)| place.distance > place.tolerance);
+            let better = better.map(|(place, _)| Place::of_faces(&across).with_chord(place.chord()));
+            let own = Place::of_faces(&across);
+            places.entry(*pair).or_default().push(match better {
+                Some(better) if better.width < own.width => better,
+                _ => own,
+            });
         }
     }
-    for ([a, b], candidates) in &seen.gaps {
-        let Some(least) = candidates.measured(evaluator, &mut scratch) else { continue };
-        let width = least.width(Faces::Wall);
-        if width >= narrow {
-            continue;
+    for (kind, facing) in at_edges {
+        if let Kind::Gap(pair) = kind {
+            places.entry(*pair).or_default().push(Place::of_edges(facing));
         }
-        let names = [name(a), name(b)];
-        let (text, names) = match a == b {
-            true => (format!("{} is divided by a narrow gap", names[0]), &names[..1]),
-            false => (format!("{} and {} are separated by a narrow gap", names[0], names[1]), &names[..]),
+    }
+    let mut found = Vec::new();
+    for ([a, b], mut places) in places {
+        places.retain(|place| place.width < narrow);
+        let names = [a, b].map(|region| subject.name(region.index() - 1));
+        let (one, regions, names) = match a == b {
+            true => (format!("{} is divided by a narrow gap", names[0]), names[0].to_owned(), &names[..1]),
+            false => {
+                let both = format!("{} and {}", names[0], names[1]);
+                (format!("{both} are separated by a narrow gap"), both, &names[..])
+            }
         };
-        found.push(Finding::new(FindingKind::Gap, names, text).seen(width, least.chord));
+        let have = if a == b { "has" } else { "have" };
+        let more = |rest: usize| match rest {
+            1 => format!("{regions} {have} 1 more narrow gap"),
+            _ => format!("{regions} {have} {rest} more narrow gaps"),
+        };
+        found.extend(listed(FindingKind::Gap, names, &distinct(places), one, more));
     }
     found
 }
@@ -238,13 +362,15 @@ fn contacts(subject: &Subject<'_>, seen: &Seen, known: &[Finding], scope: &Scope
         let common = subject.boxes[k].intersection(&subject.boxes[j]);
         let is_common = !common.is_empty() && common.size().min_element() > scope.distance;
         let may_overlap = scope.left_out > 0 && is_common;
-        if is_overlap || is_around || may_overlap || subject.are_kin(k, j) {
+        if is_overlap || (is_around && a != b) || may_overlap || subject.are_kin(k, j) {
             continue;
         }
-        let text = format!("{} and {} touch", names[0], names[1]);
-        let finding = Finding::new(FindingKind::Touch, &names, text);
-        let (at, ray) = (Some(contact.chord.to), Some(contact.chord));
-        found.push(Finding { area: Some(contact.area), at, ray, ..finding });
+        let (text, names) = match a == b {
+            true => (format!("{} touches itself", names[0]), &names[..1]),
+            false => (format!("{} and {} touch", names[0], names[1]), &names[..]),
+        };
+        let finding = Finding::new(FindingKind::Touch, names, text);
+        found.push(Finding { area: Some(contact.area), at: Some(contact.at), ..finding });
     }
     found
 }

@@ -24,6 +24,11 @@ pub struct Scope {
     /// The number of chords that rays through the whole model and through single regions have in the regions. Their walls were
     /// compared with [`wall`](Self::wall).
     pub chords: u64,
+    /// The number of points on edges and at corners, found where rays hit different faces near each other, from which walls and gaps
+    /// were searched. Edges that point out of a region are not counted.
+    pub edges: u64,
+    /// Faces, edges and pairs of them beyond the limits, from which no walls and gaps were searched.
+    pub edges_left_out: u64,
     /// Walls thinner than this are reported.
     pub wall: f64,
     /// Gaps narrower than this are reported.

@@ -31,6 +31,7 @@ pub fn finding_section<E: Evaluator, X: Classified + Send + Sync + 'static>(
     let ray = finding.ray.map_or(Vec3::ZERO, |ray| ray.to - ray.from);
     let around = match finding.kind {
         FindingKind::Thin | FindingKind::Gap => 8.0 * finding.size.unwrap_or(0.0),
+        FindingKind::Touch => 0.1 * diagonal,
         _ => 4.0 * ray.abs().max_element().max(finding.size.unwrap_or(0.0)),
     };
     let reach = around.max(1e-3 * diagonal).max(1e-9 * at.abs().max_element());

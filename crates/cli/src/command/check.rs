@@ -59,7 +59,7 @@ pub struct Check {
     #[arg(long, value_name = "LENGTH")]
     wall: Option<f64>,
 
-    /// Report gaps narrower than this [default: 1e-5 of the diagonal of the model]
+    /// Report gaps narrower than this, between any two faces: up to 20 for each two regions, the narrowest first [default: 1e-5 of the diagonal of the model]
     #[arg(long, value_name = "LENGTH")]
     gap: Option<f64>,
 
@@ -276,6 +276,8 @@ impl Check {
             "scope": {
                 "rays": scope.rays,
                 "chords": scope.chords,
+                "edges": scope.edges,
+                "edges_left_out": scope.edges_left_out,
                 "wall": scope.wall,
                 "gap": scope.gap,
                 "distance": scope.distance,
@@ -408,13 +410,20 @@ fn scope(report: &CheckReport) -> String {
     if report.of(FindingKind::Thin).next().is_none() {
         let (limit, unit) = (short(scope.wall), report.unit.symbol());
         text += &format!(
-            "no wall under {limit} {unit} found among {} chords; a wall that no ray crosses is not found (see --cells)\n",
-            scope.chords
+            "no wall under {limit} {unit} found among {} chords and from {} points of edges and corners; a wall at a face or edge that no \
+             ray meets is not found (see --cells)\n",
+            scope.chords, scope.edges
         );
     }
     if scope.left_out + scope.operands_left_out > 0 {
         let (pairs, operands) = (scope.left_out, scope.operands_left_out);
         text += &format!("not examined: {pairs} pairs of parts, {operands} operands (see --pairs)\n");
+    }
+    if scope.edges_left_out > 0 {
+        text += &format!(
+            "not searched for walls and gaps: {} faces, edges or pairs of edges\n",
+            scope.edges_left_out
+        );
     }
     text
 }

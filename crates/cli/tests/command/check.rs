@@ -25,7 +25,8 @@ fn findings_with_places() {
     let said = bench.says(&["check", "ball.toml", "--cells", "16"]);
     assert!(said.starts_with("ball.toml: nothing found"), "{said}");
     assert!(
-        said.contains("no wall under ") && said.contains(" chords; a wall that no ray crosses"),
+        said.contains("no wall under ")
+            && said.contains(" points of edges and corners; a wall at a face or edge that no ray meets"),
         "{said}"
     );
 }
