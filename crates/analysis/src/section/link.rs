@@ -1,11 +1,9 @@
 //! Linking of scan lines to edges, and of edges to contours.
 
-use super::refine::{Gap, Zone};
-use super::scan_line::{ScanCrossing, ScanLine};
+use super::scan_lines::{ScanCrossing, ScanLine};
 use super::{SectionEdge, SectionWindow};
 use rayweave_model::RegionId;
 use std::collections::HashMap;
-use std::ops::Range;
 
 /// The open lines at the last scan line.
 pub struct Lines {
@@ -16,15 +14,12 @@ pub struct Lines {
     reach: f64,
     ends: [f64; 2],
     is_begun: bool,
-    /// The region below the first crossing.
-    below: RegionId,
 }
 
 impl Lines {
     pub fn new(window: &SectionWindow) -> Lines {
         let (reach, ends) = (8.0 * window.tolerance, [window.lo[0], window.hi[0]]);
-        let (last, below) = (ScanLine::default(), RegionId(0));
-        Lines { last, open: Vec::new(), reach, ends, is_begun: false, below }
+        Lines { last: ScanLine::default(), open: Vec::new(), reach, ends, is_begun: false }
     }
 
     /// Extends the lines to a scan line with the same crossings.
@@ -56,57 +51,9 @@ impl Lines {
         for (line, pass) in next.iter_mut().zip(&right).filter(|(line, _)| line.is_empty()) {
             line.push([u, pass.v]);
         }
-        walls(u, [&left, &right], self.below, edges);
+        walls(u, &left, &right, edges);
         for (line, pass) in next.iter_mut().zip(&scan_line.passes) {
             line.push([scan_line.u, pass.v]);
-        }
-        (self.open, self.last) = (next, scan_line.clone());
-    }
-
-    /// Extends the lines to a scan line, through all scan lines of the gap before it.
-    pub fn refined(&mut self, gap: &Gap, scan_line: &ScanLine, edges: &mut Vec<SectionEdge>) {
-        match gap {
-            Gap::Smooth => self.go_on(scan_line, edges),
-            Gap::Jump => self.jump(scan_line, edges),
-            Gap::Split(parts) => {
-                let (first, middle, second) = &**parts;
-                self.refined(first, middle, edges);
-                self.refined(second, scan_line, edges);
-            }
-            Gap::Zones(zones) => self.zones(zones, scan_line, edges),
-        }
-    }
-
-    /// Extends the lines in each zone on their own, and all others straight.
-    fn zones(&mut self, zones: &[Zone], scan_line: &ScanLine, edges: &mut Vec<SectionEdge>) {
-        let mut open = std::mem::take(&mut self.open).into_iter();
-        let mut next = Vec::with_capacity(scan_line.passes.len());
-        let mut from = 0;
-        for zone in zones {
-            next.extend(open.by_ref().take(zone.left.start - from));
-            from = zone.left.end;
-            let part = |line: &ScanLine, range: &Range<usize>| ScanLine {
-                u: line.u,
-                passes: line.passes[range.clone()].to_vec(),
-            };
-            let mut inner = Lines {
-                last: part(&self.last, &zone.left),
-                open: open.by_ref().take(zone.left.len()).collect(),
-                is_begun: true,
-                below: zone.below,
-                ..*self
-            };
-            inner.refined(&zone.gap, &part(scan_line, &zone.right), edges);
-            next.extend(inner.open);
-        }
-        next.extend(open);
-        let mut zones = zones.iter().map(|zone| zone.right.clone()).peekable();
-        for (k, (line, pass)) in next.iter_mut().zip(&scan_line.passes).enumerate() {
-            while zones.next_if(|zone| zone.end <= k).is_some() {}
-            // those in zones are there already
-            if zones.peek().is_none_or(|zone| k < zone.start) {
-                line.push([scan_line.u, pass.v]);
-            }
         }
         (self.open, self.last) = (next, scan_line.clone());
     }
@@ -132,7 +79,7 @@ impl Lines {
         for (line, pass) in self.open.into_iter().zip(&passes) {
             close(line, pass, u, edges);
         }
-        walls(u, [&passes, &[]], self.below, edges);
+        walls(u, &passes, &[], edges);
     }
 }
 
@@ -145,18 +92,18 @@ fn close(mut line: Vec<[f64; 2]>, pass: &ScanCrossing, u: f64, edges: &mut Vec<S
 }
 
 /// The region of a scan line just above a coordinate.
-fn region_above(passes: &[ScanCrossing], v: f64, below: RegionId) -> RegionId {
-    let lower = passes.partition_point(|pass| pass.v <= v);
-    lower.checked_sub(1).map_or(below, |last| passes[last].after)
+fn region_above(passes: &[ScanCrossing], v: f64) -> RegionId {
+    let below = passes.partition_point(|pass| pass.v <= v);
+    below.checked_sub(1).map_or(RegionId(0), |last| passes[last].after)
 }
 
 /// Adds edges along the scan lines where the regions of two neighbours differ.
-fn walls(u: f64, neighbours: [&[ScanCrossing]; 2], below: RegionId, edges: &mut Vec<SectionEdge>) {
-    let mut ends: Vec<f64> = neighbours.into_iter().flatten().map(|pass| pass.v).collect();
+fn walls(u: f64, left: &[ScanCrossing], right: &[ScanCrossing], edges: &mut Vec<SectionEdge>) {
+    let mut ends: Vec<f64> = left.iter().chain(right).map(|pass| pass.v).collect();
     ends.sort_by(f64::total_cmp);
     ends.dedup();
     for pair in ends.windows(2) {
-        let [before, after] = neighbours.map(|passes| region_above(passes, pair[0], below));
+        let [before, after] = [left, right].map(|passes| region_above(passes, pair[0]));
         if before != after {
             edges.push(SectionEdge { points: vec![[u, pair[0]], [u, pair[1]]], left: before, right: after });
         }

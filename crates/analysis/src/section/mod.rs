@@ -3,7 +3,7 @@
 //! Parallel rays, *scan lines* (the option `columns` is their minimum number), sweep the plane. The crossings of a
 //! scan line are exact. Two neighbouring scan lines with the same faces are joined by straight edges if a third scan
 //! line halfway between them agrees within a tolerance; otherwise the gap is halved, until it is as narrow as a few hundred
-//! rounding errors; among many crossings only the part of the gap around a difference is. A remaining difference becomes a *wall*, an edge along the scan lines. The points of an edge, corners
+//! rounding errors. A remaining difference becomes a *wall*, an edge along the scan lines. The points of an edge, corners
 //! included, therefore lie on the surfaces up to rounding error, and edges deviate by at most the tolerance. Straight
 //! edges stay straight: the points at their ends are kept when others are left out.
 //!
@@ -12,14 +12,10 @@
 //! ends nor middles of its leaves.
 
 mod cut;
-#[cfg(test)]
-mod detail_tests;
 mod edge;
 mod error;
 mod link;
 mod plane;
-mod refine;
-mod scan_line;
 mod scan_lines;
 mod scene;
 mod simplify;
@@ -86,27 +82,18 @@ pub fn section_with<E: Evaluator>(
     window: &SectionWindow,
     run: &SectionRun,
 ) -> Result<Section, SectionError> {
-    Ok(counted_section(evaluator, cut, window, run)?.0)
-}
-
-/// The section, and the number of crossings of all scan lines.
-fn counted_section<E: Evaluator>(
-    evaluator: &E,
-    cut: &Cut,
-    window: &SectionWindow,
-    run: &SectionRun,
-) -> Result<(Section, u64), SectionError> {
     window.check()?;
-    let mut edges = Vec::new();
+    let mut section = Section::default();
+    let mut scan_lines = ScanLines::new(evaluator, cut, window, run);
     let mut lines = link::Lines::new(window);
-    let mut take = |step: Step<'_>| match step {
-        Step::Smooth(scan_line) => lines.go_on(scan_line, &mut edges),
-        Step::Jump(scan_line) => lines.jump(scan_line, &mut edges),
-        Step::Refined(gap, scan_line) => lines.refined(gap, scan_line, &mut edges),
-    };
-    let crossings = ScanLines::new(evaluator, cut, window, run).swept(&mut take)?;
-    lines.end(&mut edges);
-    Ok((Section { edges }, crossings))
+    for step in scan_lines.swept()? {
+        match step {
+            Step::Smooth(column) => lines.go_on(&column, &mut section.edges),
+            Step::Jump(column) => lines.jump(&column, &mut section.edges),
+        }
+    }
+    lines.end(&mut section.edges);
+    Ok(section)
 }
 
 impl Section {

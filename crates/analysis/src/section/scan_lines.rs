@@ -1,52 +1,76 @@
 //! Scan lines: the parallel rays that sweep a plane, refined where neighbours differ.
 
-use super::refine::{Gap, Limits, Refinement, Relation};
-use super::scan_line::{ScanLine, ScanLineTracer};
 use super::{Cut, SectionError, SectionRun, SectionWindow};
-use rayweave_math::Bounds;
 use rayweave_model::drive::{Stopped, drive, thread_count};
-use rayweave_model::memory::{Growth, Shortage};
-use rayweave_model::{Evaluator, LeafId};
-use std::ops::Range;
+use rayweave_model::memory::Growth;
+use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId, Window};
+use rayweave_shape::Ray;
+
+/// A crossing of a scan line from one region into another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScanCrossing {
+    /// The coordinate along the scan line.
+    pub v: f64,
+    pub before: RegionId,
+    pub after: RegionId,
+    /// The leaf and the facet; `None` at the ends of the window.
+    face: Option<(u32, u32)>,
+}
+
+impl ScanCrossing {
+    /// True for crossings between the same regions through the same face.
+    fn is_like(&self, other: &ScanCrossing) -> bool {
+        (self.before, self.after, self.face) == (other.before, other.after, other.face)
+    }
+}
+
+/// A ray in the plane.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ScanLine {
+    pub u: f64,
+    /// The crossings from bottom to top; below the first and above the last is the world.
+    pub passes: Vec<ScanCrossing>,
+}
+
+impl ScanLine {
+    /// Its memory in bytes.
+    fn size(&self) -> u64 {
+        (size_of::<Placed>() + self.passes.len() * size_of::<ScanCrossing>()) as u64
+    }
+
+    fn is_like(&self, other: &ScanLine) -> bool {
+        let alike = |(a, b): (&ScanCrossing, &ScanCrossing)| a.is_like(b);
+        self.passes.len() == other.passes.len() && self.passes.iter().zip(&other.passes).all(alike)
+    }
+}
 
 /// A scan line and its relation to the one before.
-pub enum Step<'l> {
+pub enum Step {
     /// All crossings continue.
-    Smooth(&'l ScanLine),
+    Smooth(ScanLine),
     /// The two scan lines may differ, and the gap is not refined further: it is within the tolerance, or the limit of scan lines is
     /// reached.
-    Jump(&'l ScanLine),
-    /// All between the scan line before and this one is refined where they differ.
-    Refined(&'l Gap, &'l ScanLine),
+    Jump(ScanLine),
 }
 
 /// A scan line, and the state of the gap after it.
 struct Placed {
     scan_line: ScanLine,
-    gap: Relation,
+    gap: Gap,
 }
 
-/// Boxes of leaves give at most this number of scan lines.
-const MAX_OF_LEAVES: usize = 1 << 17;
+#[derive(Clone, Copy, PartialEq)]
+enum Gap {
+    Unknown,
+    Smooth,
+    Jump,
+}
 
-/// The number of bytes of scan lines, and of scan lines, from which gaps are refined one by one and only where the scan lines differ
-/// ([`Refinement`]).
-const MANY_BYTES: u64 = 16 << 20;
-const MANY_LINES: usize = 1 << 14;
-
-/// The number of scan lines of this refinement, and the least number in each gap; gaps that remain count as jumps. A corner takes
-/// about ten, so that only where rounding errors make scan lines differ everywhere it is reached.
-const MOST_LINES: usize = 1 << 20;
-const LEAST_LINES: usize = 128;
-
-/// Gaps per task of this refinement.
-const GAPS: usize = 8;
+/// Refinement stops at this number of scan lines; a sweep has fewer than twice as many.
+const MAX_COLUMNS: usize = 1 << 20;
 
 /// The width of gaps with jumps, relative to the largest coordinate across the scan lines.
 const FINEST: f64 = 1e-13;
-
-/// The names of the boxes around the cells of an outline end with this.
-const OUTLINE_CELL: &str = "contour.cell";
 
 /// Scan lines per batch.
 const CHUNK: usize = 1024;
@@ -62,8 +86,6 @@ pub struct ScanLines<'a, E: Evaluator> {
     finest: f64,
     /// The size of all scan lines so far, in bytes.
     bytes: u64,
-    /// The number of crossings of all scan lines.
-    crossings: u64,
     growth: Growth,
 }
 
@@ -77,64 +99,22 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         let (scratch, growth) = (evaluator.scratch(), Growth::default());
         // a few hundred roundings of the coordinates
         let finest = FINEST * window.lo[0].abs().max(window.hi[0].abs());
-        ScanLines { evaluator, scratch, cut, window, run, finest, bytes: 0, crossings: 0, growth }
+        ScanLines { evaluator, scratch, cut, window, run, finest, bytes: 0, growth }
     }
 
-    /// Traces and refines all scan lines; `take` receives them from left to right. Returns the number of crossings of all scan lines.
-    pub fn swept(&mut self, take: &mut dyn FnMut(Step<'_>)) -> Result<u64, SectionError> {
+    /// Traces and refines all scan lines; returns them from left to right.
+    pub fn swept(&mut self) -> Result<Vec<Step>, SectionError> {
         let places = self.first_places();
         let scan_lines = self.trace_scan_lines(&places)?;
         let mut row: Vec<Placed> =
-            scan_lines.into_iter().map(|scan_line| Placed { scan_line, gap: Relation::Unknown }).collect();
-        while row.len() < MANY_LINES && self.bytes < MANY_BYTES && self.halve(&mut row)? {}
-        let Some(first) = row.first() else { return Ok(self.crossings) };
-        take(Step::Jump(&first.scan_line));
-        self.refine(&row, take)?;
-        Ok(self.crossings)
-    }
-
-    /// Refines the remaining gaps of a row.
-    fn refine(&mut self, row: &[Placed], take: &mut dyn FnMut(Step<'_>)) -> Result<(), SectionError> {
-        let tracer = ScanLineTracer::new(self.evaluator, self.cut, self.window);
-        let limits = self.limits();
-        let gaps = row.len().saturating_sub(1);
-        let open = row[..gaps].iter().filter(|placed| placed.gap == Relation::Unknown).count();
-        let left = (MOST_LINES / open.max(1)).max(LEAST_LINES) as u32;
-        let tasks = (0..gaps.div_ceil(GAPS)).map(|task| task * GAPS..gaps.min((task + 1) * GAPS));
-        let work = |scratch: &mut E::Scratch, range: Range<usize>| {
-            let mut crossings = 0;
-            let refined = range.clone().map(|k| {
-                (row[k].gap == Relation::Unknown).then(|| {
-                    let (tracer, scratch) = (&tracer, &mut *scratch);
-                    let mut refinement = Refinement { tracer, scratch, limits, left, crossings: 0 };
-                    let gap = refinement.of(&row[k].scan_line, &row[k + 1].scan_line);
-                    crossings += refinement.crossings;
-                    gap
-                })
-            });
-            let refined: Vec<Option<Gap>> = refined.collect();
-            (range, refined, crossings)
+            scan_lines.into_iter().map(|scan_line| Placed { scan_line, gap: Gap::Unknown }).collect();
+        while row.len() < MAX_COLUMNS && self.halve(&mut row)? {}
+        let mut gap = Gap::Jump;
+        let mut step = |placed: Placed| {
+            let before = std::mem::replace(&mut gap, placed.gap);
+            if before == Gap::Smooth { Step::Smooth(placed.scan_line) } else { Step::Jump(placed.scan_line) }
         };
-        let merge = |(range, refined, crossings): (Range<usize>, Vec<Option<Gap>>, u64)| {
-            for (k, gap) in range.zip(&refined) {
-                let next = &row[k + 1].scan_line;
-                take(match (gap, row[k].gap) {
-                    (Some(gap), _) => Step::Refined(gap, next),
-                    (None, Relation::Smooth) => Step::Smooth(next),
-                    (None, _) => Step::Jump(next),
-                });
-            }
-            self.crossings += crossings;
-            // the points of the edges stay
-            self.bytes += crossings * size_of::<[f64; 2]>() as u64;
-            self.growth.check(self.bytes)
-        };
-        let scratch = || self.evaluator.scratch();
-        drive(thread_count(self.run.threads), &self.run.cancel, tasks, scratch, work, merge).map_err(stopped)
-    }
-
-    fn limits(&self) -> Limits {
-        Limits { tolerance: self.window.tolerance, finest: self.finest }
+        Ok(row.into_iter().map(&mut step).collect())
     }
 
     /// Evenly spaced positions, and the start, middle and end of each leaf.
@@ -145,15 +125,12 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         let mut places: Vec<f64> = (0..count).map(at).collect();
         let program = self.evaluator.program();
         let model = &program.prototypes()[0];
-        // the cells of an outline are no parts of the model, and their number is that of its corners
-        let leaves = model.leaves.clone().map(LeafId);
-        let leaves = leaves.filter(|&leaf| !program.leaf(leaf).name().ends_with(OUTLINE_CELL));
-        let boxes = leaves.map(|leaf| program.leaf_bounds(leaf));
-        let is_cut = |bounds: &Bounds| {
+        let boxes = model.leaves.clone().map(|leaf| program.leaf_bounds(rayweave_model::LeafId(leaf)));
+        let is_cut = |bounds: &rayweave_math::Bounds| {
             let [below, above] = self.cut.range(bounds, 2);
             below <= self.window.tolerance && above >= -self.window.tolerance
         };
-        for bounds in boxes.filter(is_cut).take(MAX_OF_LEAVES) {
+        for bounds in boxes.filter(is_cut).take(MAX_COLUMNS / 8) {
             let [from, to] = self.cut.range(&bounds, 0);
             let beyond = 0.5 * self.window.tolerance;
             places.extend([from - beyond, from + beyond, 0.5 * (from + to), to - beyond, to + beyond]);
@@ -166,29 +143,45 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
 
     /// Traces the middle of every undecided gap; false if there is none.
     fn halve(&mut self, row: &mut Vec<Placed>) -> Result<bool, SectionError> {
-        let is_open = |pair: &[Placed]| pair[0].gap == Relation::Unknown;
+        let is_open = |pair: &[Placed]| pair[0].gap == Gap::Unknown;
         let middle = |pair: &[Placed]| 0.5 * (pair[0].scan_line.u + pair[1].scan_line.u);
         let places: Vec<f64> = row.windows(2).filter(|pair| is_open(pair)).map(middle).collect();
         if places.is_empty() {
             return Ok(false);
         }
-        let (mut middles, limits) = (self.trace_scan_lines(&places)?.into_iter(), self.limits());
+        let mut middles = self.trace_scan_lines(&places)?.into_iter();
         let old = std::mem::take(row);
         let mut old = old.into_iter().peekable();
         while let Some(mut left) = old.next() {
-            let open = left.gap == Relation::Unknown;
+            let open = left.gap == Gap::Unknown;
             let Some((right, scan_line)) =
                 old.peek().filter(|_| open).and_then(|right| Some((right, middles.next()?)))
             else {
                 row.push(left);
                 continue;
             };
-            let three = [&left.scan_line, &scan_line, &right.scan_line];
-            let gap = limits.relation(three.map(|line| line.u), three.map(|line| &line.passes[..]));
+            let gap = self.classified(&left.scan_line, &scan_line, &right.scan_line);
             left.gap = gap;
             row.extend([left, Placed { scan_line, gap }]);
         }
         Ok(true)
+    }
+
+    /// The state of both gaps next to a scan line between two others.
+    fn classified(&self, left: &ScanLine, middle: &ScanLine, right: &ScanLine) -> Gap {
+        let tolerance = self.window.tolerance;
+        let is_straight = |k: usize| {
+            let chord = 0.5 * (left.passes[k].v + right.passes[k].v);
+            (middle.passes[k].v - chord).abs() <= tolerance
+        };
+        let is_smooth = left.is_like(middle) && middle.is_like(right);
+        match () {
+            () if is_smooth && (0..middle.passes.len()).all(is_straight) => Gap::Smooth,
+            () if right.u - left.u <= 2.0 * tolerance.min(self.finest) => Gap::Jump,
+            // the gap is as narrow as f64 can represent
+            () if middle.u <= left.u || middle.u >= right.u => Gap::Jump,
+            () => Gap::Unknown,
+        }
     }
 
     /// Traces the scan lines at some positions; on this thread if they are few.
@@ -200,33 +193,68 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         }
         if places.len() <= 2 * CHUNK {
             let scan_lines = tracer.scan_lines(places, &mut self.scratch);
-            self.count(&scan_lines);
+            self.bytes += scan_lines.iter().map(ScanLine::size).sum::<u64>();
             self.growth.check(self.bytes)?;
             return Ok(scan_lines);
         }
         let mut all = Vec::with_capacity(places.len());
         let work = |scratch: &mut E::Scratch, places: &[f64]| tracer.scan_lines(places, scratch);
         let merge = |scan_lines: Vec<ScanLine>| {
-            self.count(&scan_lines);
+            self.bytes += scan_lines.iter().map(ScanLine::size).sum::<u64>();
             all.extend(scan_lines);
             self.growth.check(self.bytes)
         };
         let scratch = || evaluator.scratch();
         let outcome =
             drive(thread_count(run.threads), &run.cancel, places.chunks(CHUNK), scratch, work, merge);
-        outcome.map(|()| all).map_err(stopped)
-    }
-
-    fn count(&mut self, scan_lines: &[ScanLine]) {
-        let own = size_of::<Placed>() as u64;
-        self.bytes += scan_lines.iter().map(|scan_line| own + scan_line.size()).sum::<u64>();
-        self.crossings += scan_lines.iter().map(|scan_line| scan_line.passes.len() as u64).sum::<u64>();
+        match outcome {
+            Ok(()) => Ok(all),
+            Err(Stopped::Cancelled) => Err(SectionError::Cancelled),
+            Err(Stopped::Failed(shortage)) => Err(SectionError::Memory(shortage)),
+        }
     }
 }
 
-fn stopped(stopped: Stopped<Shortage>) -> SectionError {
-    match stopped {
-        Stopped::Cancelled => SectionError::Cancelled,
-        Stopped::Failed(shortage) => SectionError::Memory(shortage),
+/// The query of scan lines.
+struct ScanLineTracer<'a, E: Evaluator> {
+    evaluator: &'a E,
+    cut: &'a Cut,
+    ends: [f64; 2],
+}
+
+impl<'a, E: Evaluator> ScanLineTracer<'a, E> {
+    fn new(evaluator: &'a E, cut: &'a Cut, window: &SectionWindow) -> ScanLineTracer<'a, E> {
+        ScanLineTracer { evaluator, cut, ends: [window.lo[1], window.hi[1]] }
     }
+
+    fn scan_lines(&self, places: &[f64], scratch: &mut E::Scratch) -> Vec<ScanLine> {
+        let mut batch = RayBatch::default();
+        let direction = self.cut.point([0.0, 1.0]) - self.cut.point([0.0, 0.0]);
+        places.iter().for_each(|&u| batch.push(Ray::new(self.cut.point([u, 0.0]), direction)));
+        // the window was checked before
+        let window = Window::new(self.ends[0], self.ends[1]).unwrap_or(Window::ALL);
+        let query = Query { window, ..Query::default() };
+        let mut scan_lines = Vec::with_capacity(places.len());
+        let mut take =
+            |answer: RayAnswer<'_>| scan_lines.push(scan_line(places[answer.ray], self.ends, &answer));
+        self.evaluator.crossings(batch.rays(), &query, scratch, &mut take);
+        scan_lines
+    }
+}
+
+/// The crossings of a ray, with the world beyond both ends of the window.
+fn scan_line(u: f64, [lo, hi]: [f64; 2], answer: &RayAnswer<'_>) -> ScanLine {
+    let world = RegionId(0);
+    let end = |v: f64, before: RegionId, after: RegionId| ScanCrossing { v, before, after, face: None };
+    let mut passes = Vec::new();
+    passes.extend((answer.start != world).then(|| end(lo, world, answer.start)));
+    passes.extend(answer.crossings.iter().map(|crossing| ScanCrossing {
+        v: crossing.t,
+        before: crossing.before,
+        after: crossing.after,
+        face: Some((crossing.face.leaf.0, crossing.face.facet)),
+    }));
+    let last = passes.last().map_or(world, |pass: &ScanCrossing| pass.after);
+    passes.extend((last != world).then(|| end(hi, last, world)));
+    ScanLine { u, passes }
 }
