@@ -435,7 +435,7 @@ mod tests {
             let mut count = 0;
             let merge = |k: u32| {
                 count += 1;
-                // the iterator, which receives it, is gone after the last chunk
+                // nobody receives it after the last chunk
                 let _ = merged.send(k);
                 Ok::<(), ()>(())
             };

@@ -13,7 +13,7 @@ pub struct RayLoad {
     boxes: Vec<(Bounds, f64)>,
 }
 
-/// The most leaves of a group whose boxes are looked at; a ray through a larger group counts as one leaf.
+/// The most leaves of a group of which each box counts; a ray through a larger group counts as one leaf.
 const MOST_LEAVES: usize = 1 << 22;
 
 impl Program {

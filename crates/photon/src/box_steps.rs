@@ -205,7 +205,7 @@ fn get(rows: &[Row; 3], lane: usize) -> Vec3 {
 }
 
 impl<'d> BoxSteps<'d> {
-    /// For a detector whose cells are known; `None` if photons of one number may be emitted together, whose order depends on the
+    /// For a detector with known cells; `None` if photons of one number may be emitted together, whose order depends on the
     /// loop over all photons, and on processors without wide vectors.
     pub fn new(
         detector: &'d Detector,

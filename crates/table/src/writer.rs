@@ -59,7 +59,7 @@ impl TableWriter {
         self.rows
     }
 
-    /// Lists texts of a column that are known before the rows: they come first in its list in the file of names of an NPY table,
+    /// Lists texts of a column before the rows: they come first in its list in the file of names of an NPY table,
     /// in this order, whether or not they occur, so that they have equal numbers in all tables. Other formats have no such list,
     /// and unknown columns are ignored.
     pub fn list_texts<'a>(&mut self, column: &str, texts: impl IntoIterator<Item = &'a str>) {

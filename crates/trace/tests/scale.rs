@@ -234,7 +234,7 @@ fn points_are_in_the_regions_of_the_reference() {
             let point = bounds.centre() + 0.5 * bounds.size() * rng.point(1.0);
             let both = (ours.contains(point), theirs.contains(point));
             assert_eq!(both.0, both.1, "{name}: {point}");
-            inside += usize::from(both.0);
+            inside += usize::from(both.0.unwrap());
         }
         assert!(inside > 0 && inside < count, "{name}: {inside} of {count} points");
     }

@@ -4,7 +4,7 @@ use crate::{Chunk, Schema, TableError};
 
 /// Output of one format. Chunks match the schema.
 pub(crate) trait Sink: Send {
-    /// Lists texts of a column, given by its number, that are known before the rows.
+    /// Lists texts of a column, given by its number, before the rows.
     fn list_texts(&mut self, _column: usize, _texts: &[&str]) {}
 
     /// Appends rows.
