@@ -191,7 +191,7 @@ fn a_mesh_file_in_numbers() {
     assert_eq!(facts["regions"].as_array().unwrap().len(), 1);
     let text = bench.says(&["info", "hollow.obj"]);
     assert!(
-        text.contains("hollow         24        16       2  yes       30       7  (9, 9, 9) to (11, 11, 11)"),
+        text.contains("hollow         24        16  2: 1 piece, 1 cavity  yes       30       7  (9, 9, 9) to (11, 11, 11)"),
         "{text}"
     );
     // the volume is exact where a model places the mesh

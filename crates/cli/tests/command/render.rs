@@ -186,7 +186,7 @@ fn technical_drawings() {
     for text in ["\u{2300}6 through", "60", "40", "8"] {
         assert!(svg.contains(&format!(">{text}</text>")), "{text}: {svg}");
     }
-    assert!(svg.contains("scale 1:1") && svg.contains("third-angle projection"), "{svg}");
+    assert!(svg.contains("scale 2:1") && svg.contains("third-angle projection"), "{svg}");
     bench.says(&[&draw[..], &["--projection", "first", "-o", "plate.pdf"]].concat());
     assert!(bench.bytes("plate.pdf").starts_with(b"%PDF-"));
     let without = bench.fails(2, &["render", "plate.toml", "--view", "top", "--dimensions", "-o", "p.svg"]);
