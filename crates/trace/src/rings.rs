@@ -199,8 +199,7 @@ impl RingProbe {
             let slack = ROUNDING * (a.abs().max(b.abs()) + self.origin / self.speed.abs());
             (from, to) = (from.max(a.min(b) - slack), to.min(a.max(b) + slack));
         }
-        // also false for NaN
-        if !(from <= to) {
+        if from > to {
             return false;
         }
         // the squared distance from the axis, with its rounding error

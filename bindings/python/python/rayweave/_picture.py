@@ -287,7 +287,8 @@ def sheet(
     --------
     >>> drawing = sheet(box(2) - sphere(1.3), cut="x>50%")
     >>> drawing.save("hollow.svg")
-    >>> plate = box([60, 40, 8]) - cylinder(3)
+    >>> import rayweave as rw
+    >>> plate = rw.box([60, 40, 8]) - rw.cylinder(3)
     >>> "\u23006 through" in sheet(plate, dimensions=True).svg
     True
     """
