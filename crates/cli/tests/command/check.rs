@@ -182,7 +182,7 @@ fn loose_pieces_and_cavities() {
     let said = bench.says(&["check", "disc.toml", "--fail-on", "all"]);
     assert!(said.contains("loose: part consists of 2 separate pieces; the smallest"), "{said}");
     assert_eq!(bench.run(&["check", "disc.toml", "--fail-on", "loose"]).code, 1);
-    bench.says(&["convert", "disc.toml", "disc.stl", "--tolerance", "0.1"]);
+    assert_eq!(bench.run(&["convert", "disc.toml", "disc.stl", "--tolerance", "0.1"]).code, 0);
     assert!(
         bench.says(&["info", "disc.stl"]).contains("2: 2 pieces"),
         "{}",
@@ -193,7 +193,7 @@ fn loose_pieces_and_cavities() {
     bench.write("hollow.toml", hollow);
     let said = bench.says(&["check", "hollow.toml"]);
     assert!(said.contains("cavity: part has a closed cavity with a volume of about 11"), "{said}");
-    bench.says(&["convert", "hollow.toml", "hollow.stl", "--tolerance", "0.1"]);
+    assert_eq!(bench.run(&["convert", "hollow.toml", "hollow.stl", "--tolerance", "0.1"]).code, 0);
     assert!(
         bench.says(&["info", "hollow.stl"]).contains("2: 1 piece, 1 cavity"),
         "{}",

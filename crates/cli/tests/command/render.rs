@@ -189,7 +189,7 @@ fn technical_drawings() {
     assert!(svg.contains("scale 2:1") && svg.contains("third-angle projection"), "{svg}");
     bench.says(&[&draw[..], &["--projection", "first", "-o", "plate.pdf"]].concat());
     assert!(bench.bytes("plate.pdf").starts_with(b"%PDF-"));
-    let without = bench.fails(2, &["render", "plate.toml", "--view", "top", "--dimensions", "-o", "p.svg"]);
+    let without = bench.fails(2, &["render", "plate.toml", "--view", "top", "--dimensions", "-o", "p.png"]);
     assert!(without.contains("Add --view sheet."), "{without}");
     bench.fails(2, &[&draw[..], &["--cut", "x>0", "-o", "p.svg"]].concat());
 }
