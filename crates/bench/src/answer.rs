@@ -1,7 +1,7 @@
 //! Results of candidates as lists of times, and comparison of the results of two candidates.
 
 use rayweave::Evaluator;
-use rayweave::model::{FirstHits, HitArrayRows, Rays};
+use rayweave::model::{FirstHitColumns, FirstHits, HitArrayRows, Rays};
 use rayweave::{Error, Window};
 
 /// For every ray the times of its crossings, or only of the first.
@@ -51,35 +51,22 @@ impl HitTable {
 
 /// Buffers of first hits with normals.
 #[derive(Default)]
-pub struct FirstTable {
-    t: Vec<f64>,
-    face: Vec<i32>,
-    ids: [Vec<u32>; 3],
-    normal: [Vec<f64>; 3],
-}
+pub struct FirstTable(FirstHitColumns);
 
 impl FirstTable {
     /// Buffers for `rays` rays.
-    pub fn new(columns: usize) -> FirstTable {
-        let (numbers, ids) = (|| vec![0.0; columns], || vec![0; columns]);
-        FirstTable {
-            t: numbers(),
-            face: vec![0; columns],
-            ids: [ids(), ids(), ids()],
-            normal: [numbers(), numbers(), numbers()],
-        }
+    pub fn new(rays: usize) -> FirstTable {
+        FirstTable(FirstHitColumns::new(rays))
     }
 
     /// The columns, for an evaluator to fill.
     pub fn hits(&mut self) -> FirstHits<'_> {
-        let [placement, before, after] = &mut self.ids;
-        let [x, y, z] = &mut self.normal;
-        FirstHits { t: &mut self.t, face: &mut self.face, placement, before, after, normal: Some([x, y, z]) }
+        self.0.hits()
     }
 
     /// A list for each ray with the time of its hit, empty for a miss.
     pub fn lists(&self) -> Lists {
-        columns(&[&self.t], self.t.len())
+        columns(&[&self.0.t], self.0.t.len())
     }
 }
 

@@ -8,7 +8,7 @@ use rayweave_analysis::Cancelled;
 use rayweave_analysis::section::Cut;
 use rayweave_math::Vec3;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
-use rayweave_model::{Evaluator, FirstHits, RayBatch, Window};
+use rayweave_model::{Evaluator, FirstHitColumns, RayBatch, Window};
 use rayweave_shape::Ray;
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -130,31 +130,19 @@ impl<E: Evaluator> Sampler<'_, E> {
         let forward = -self.view.plane.normal();
         let mut batch = RayBatch::default();
         places.iter().for_each(|&place| batch.push(Ray::new(self.view.plane.point(place), forward)));
-        let count = places.len();
-        let (mut t, mut face, mut placement) = (vec![0.0; count], vec![0; count], vec![0; count]);
-        let (mut before, mut after) = (vec![0; count], vec![0; count]);
-        let mut normal: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; count]);
-        let [x, y, z] = &mut normal;
-        let mut hits = FirstHits {
-            t: &mut t,
-            face: &mut face,
-            placement: &mut placement,
-            before: &mut before,
-            after: &mut after,
-            normal: Some([x, y, z]),
-        };
+        let mut found = FirstHitColumns::new(places.len());
         let window = match self.view.is_behind {
             true => Window::new(0.0, f64::INFINITY).unwrap_or(Window::ALL),
             false => Window::ALL,
         };
-        self.evaluator.nearest(batch.rays(), window, scratch, &mut hits);
+        self.evaluator.nearest(batch.rays(), window, scratch, &mut found.hits());
         let sample = |k: usize| Sample {
-            t: t[k],
-            normal: Vec3::new(normal[0][k], normal[1][k], normal[2][k]),
-            face: (face[k], placement[k]),
-            is_cut: before[k] != 0,
+            t: found.t[k],
+            normal: Vec3::new(found.normal[0][k], found.normal[1][k], found.normal[2][k]),
+            face: (found.face[k], found.placement[k]),
+            is_cut: found.before[k] != 0,
         };
-        (0..count).map(sample).collect()
+        (0..places.len()).map(sample).collect()
     }
 }
 

@@ -5,7 +5,7 @@ use rayweave_conformance::{Model, Random, Style, rays};
 use rayweave_gpu::{Gpu, GpuDevice, GpuProgram, GpuReport};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::{
-    Evaluator, FirstHits, Limit, Program, Query, RayBatch, Region, RegionId, Solid, Window,
+    Evaluator, FirstHitColumns, Limit, Program, Query, RayBatch, Region, RegionId, Solid, Window,
 };
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
@@ -116,24 +116,13 @@ fn windows_give_the_bits_of_the_cpu() {
 
 /// Times, faces, placements, regions and normals as bits.
 fn nearest(evaluator: &AnyEvaluator, rays: &RayBatch, window: Window) -> Vec<[u64; 8]> {
-    let count = rays.len();
-    let (mut t, mut face, mut normal) = (vec![0.0; count], vec![0; count], vec![vec![0.0; count]; 3]);
-    let (mut placement, mut before, mut after) = (vec![0; count], vec![0; count], vec![0; count]);
-    let [x, y, z] = &mut normal[..] else { unreachable!() };
-    let mut hits = FirstHits {
-        t: &mut t,
-        face: &mut face,
-        placement: &mut placement,
-        before: &mut before,
-        after: &mut after,
-        normal: Some([x, y, z]),
-    };
-    evaluator.nearest(rays.rays(), window, &mut evaluator.scratch(), &mut hits);
-    (0..count)
+    let mut found = FirstHitColumns::new(rays.len());
+    evaluator.nearest(rays.rays(), window, &mut evaluator.scratch(), &mut found.hits());
+    (0..rays.len())
         .map(|i| {
-            let [x, y, z] = [0, 1, 2].map(|k| normal[k][i].to_bits());
-            let numbers = [placement[i], before[i], after[i]].map(u64::from);
-            [t[i].to_bits(), face[i] as u64, numbers[0], numbers[1], numbers[2], x, y, z]
+            let [x, y, z] = [0, 1, 2].map(|k| found.normal[k][i].to_bits());
+            let numbers = [found.placement[i], found.before[i], found.after[i]].map(u64::from);
+            [found.t[i].to_bits(), found.face[i] as u64, numbers[0], numbers[1], numbers[2], x, y, z]
         })
         .collect()
 }

@@ -99,6 +99,38 @@ impl FirstHits<'_> {
     }
 }
 
+/// Columns of their own for the first crossings of a batch with normals.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "the fields of `FirstHits` by name")]
+pub struct FirstHitColumns {
+    pub t: Vec<f64>,
+    pub face: Vec<i32>,
+    pub placement: Vec<u32>,
+    pub before: Vec<u32>,
+    pub after: Vec<u32>,
+    pub normal: [Vec<f64>; 3],
+}
+
+impl FirstHitColumns {
+    /// Columns for a number of rays, filled with zeros.
+    pub fn new(rays: usize) -> FirstHitColumns {
+        FirstHitColumns {
+            t: vec![0.0; rays],
+            face: vec![0; rays],
+            placement: vec![0; rays],
+            before: vec![0; rays],
+            after: vec![0; rays],
+            normal: std::array::from_fn(|_| vec![0.0; rays]),
+        }
+    }
+
+    /// The columns, for [`Evaluator::nearest`](crate::Evaluator::nearest) to fill.
+    pub fn hits(&mut self) -> FirstHits<'_> {
+        let FirstHitColumns { t, face, placement, before, after, normal: [x, y, z] } = self;
+        FirstHits { t, face, placement, before, after, normal: Some([x, y, z]) }
+    }
+}
+
 /// All crossings of a batch in columns: one row per crossing, sorted by ray, then t.
 ///
 /// [`Evaluator::columns`](crate::Evaluator::columns) appends the rows of a batch. The rows do not depend on

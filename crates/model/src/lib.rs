@@ -53,7 +53,7 @@ pub use approximate::{ApproximateColumns, ApproximateEvaluator};
 pub use boundary::{Boundary, Facets, FlatFace, MAX_POINTS, Motion, Swept};
 pub use box_cells::{AxisBox, BoxCell, BoxCells, BoxStart};
 pub use chord::{Ball, chord};
-pub use columns::{CrossingColumns, FirstHits, HitArrayRows};
+pub use columns::{CrossingColumns, FirstHitColumns, FirstHits, HitArrayRows};
 pub use copies::Copies;
 pub use error::{CompileError, CompileProblem};
 pub use evaluator::{

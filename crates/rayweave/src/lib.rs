@@ -215,11 +215,11 @@ pub mod math {
 pub mod model {
     pub use rayweave_model::{
         ApproximateColumns, ApproximateEvaluator, BadPoint, BadRay, Collected, CompileError, CompileProblem,
-        Copies, Crossing, CrossingColumns, Evaluator, Face, FirstHits, HitArrayRows, Leaf, LeafFacet, LeafId,
-        LeafKind, Limit, Medium, Node, Occurrence, OccurrencePath, PathStep, Place, PlacementId, Program,
-        Prototype, PrototypeId, Query, RayAnswer, RayBatch, Rays, Region, RegionId, RegionInfo, Sink, Solid,
-        SurfaceEntry, SurfaceId, Window, WindowError, attributes, drive, expanded_size, memory, plain,
-        simplify,
+        Copies, Crossing, CrossingColumns, Evaluator, Face, FirstHitColumns, FirstHits, HitArrayRows, Leaf,
+        LeafFacet, LeafId, LeafKind, Limit, Medium, Node, Occurrence, OccurrencePath, PathStep, Place,
+        PlacementId, Program, Prototype, PrototypeId, Query, RayAnswer, RayBatch, Rays, Region, RegionId,
+        RegionInfo, Sink, Solid, SurfaceEntry, SurfaceId, Window, WindowError, attributes, drive,
+        expanded_size, memory, plain, simplify,
     };
 }
 

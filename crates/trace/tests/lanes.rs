@@ -4,7 +4,7 @@ use fearless_simd::Level;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_math::Vec3;
 use rayweave_model::{
-    Collected, Evaluator, FirstHits, Limit, Program, Query, RayBatch, Region, Solid, Window,
+    Collected, Evaluator, FirstHitColumns, Limit, Program, Query, RayBatch, Region, Solid, Window,
 };
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
@@ -133,18 +133,9 @@ fn bits(found: &Collected) -> Vec<u64> {
 /// Times and normals of first hits as bits, and their faces.
 fn looks<E: Evaluator>(evaluator: &E, batch: &RayBatch, window: Window) -> (Vec<[u64; 4]>, Vec<i32>) {
     let count = batch.rays().len();
-    let [mut t, mut x, mut y, mut z] = [(); 4].map(|()| vec![0.0; count]);
-    let [mut placement, mut before, mut after] = [(); 3].map(|()| vec![0; count]);
-    let mut face = vec![-1; count];
-    let mut hits = FirstHits {
-        t: &mut t,
-        face: &mut face,
-        placement: &mut placement,
-        before: &mut before,
-        after: &mut after,
-        normal: Some([&mut x, &mut y, &mut z]),
-    };
-    evaluator.nearest(batch.rays(), window, &mut evaluator.scratch(), &mut hits);
+    let mut found = FirstHitColumns::new(count);
+    evaluator.nearest(batch.rays(), window, &mut evaluator.scratch(), &mut found.hits());
+    let FirstHitColumns { t, face, normal: [x, y, z], .. } = found;
     let bits = (0..count).filter(|&k| face[k] >= 0).map(|k| [t[k], x[k], y[k], z[k]].map(f64::to_bits));
     (bits.collect(), face)
 }

@@ -1,5 +1,6 @@
 //! Detected photons as arrays, files and drawings.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -99,18 +100,24 @@ impl PyPhotonHits {
         time: Option<(f64, f64)>,
         sensor: Option<u32>,
     ) -> String {
-        let selected = |values: &[f64]| -> Vec<f64> {
-            let pairs = values.iter().zip(&self.hits.sensor);
-            pairs
-                .filter(|(_, own)| sensor.is_none_or(|sensor| **own == sensor))
-                .map(|(value, _)| *value)
-                .collect()
+        let selected = |values| match sensor {
+            None => Cow::Borrowed(values),
+            Some(sensor) => Cow::Owned(self.of_sensor(values, sensor)),
         };
-        let (times, wavelengths) = (selected(&self.hits.time), selected(&self.hits.wavelength_nm));
+        let times = selected(self.hits.time.as_slice());
+        let wavelengths = selected(self.hits.wavelength_nm.as_slice());
         let range = time.map(<[f64; 2]>::from);
         let time = Histogram { bins, range, ..Histogram::new("time", "ns", &times) };
         let wavelength =
             Histogram { is_wavelength: true, bins, ..Histogram::new("wavelength", "nm", &wavelengths) };
         py.detach(|| histograms_svg(&[time, wavelength], title))
+    }
+}
+
+impl PyPhotonHits {
+    /// The values of the hits of a sensor.
+    fn of_sensor(&self, values: &[f64], sensor: u32) -> Vec<f64> {
+        let hits = values.iter().zip(&self.hits.sensor);
+        hits.filter(|(_, own)| **own == sensor).map(|(value, _)| *value).collect()
     }
 }

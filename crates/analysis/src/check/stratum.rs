@@ -4,9 +4,14 @@
 //! distance of two points on them is least where its derivatives along both vanish: Newton's method with the curvatures of the
 //! surfaces finds that place, damped as by Levenberg and Marquardt, so that each step reduces the distance.
 
+use crate::distance::combination;
 use crate::measure::MeasuredChord;
-use rayweave_math::{Mat3, UNIT_ROUNDOFF, Vec3};
+use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 use rayweave_shape::surface::Surface;
+
+/// The determinants above which two and three normals are independent: faces that meet at an edge or corner differ by far more than
+/// those that a point has in common by chance.
+const INDEPENDENT: [f64; 2] = [1e-6, 1e-4];
 
 /// A face, edge or corner without its ends.
 #[derive(Clone, Debug)]
@@ -68,7 +73,7 @@ impl Stratum<'_> {
                 // the signed distance of `near` from the tangent plane
                 offsets[k] = value / length + units[k].dot(near - point);
             }
-            let next = near - combination(&units, offsets)?;
+            let next = near - combination(&units, offsets, INDEPENDENT)?;
             let step = (next - point).length();
             point = next;
             if step <= 4.0 * UNIT_ROUNDOFF * (point.length() + near.length()) {
@@ -132,24 +137,6 @@ impl Stratum<'_> {
 /// ([`crate::distance`]).
 fn rounding(surface: &Surface, point: Vec3) -> f64 {
     256.0 * UNIT_ROUNDOFF * (surface.magnitude() + point.length())
-}
-
-/// The combination `sum x_k u_k` of unit vectors with given dot products `offsets_k` with them; `None` if they are nearly dependent.
-fn combination(units: &[Vec3], offsets: [f64; 3]) -> Option<Vec3> {
-    match *units {
-        [a] => Some(offsets[0] * a),
-        [a, b] => {
-            let cosine = a.dot(b);
-            let determinant = 1.0 - cosine * cosine;
-            let (x, y) = (offsets[0] - cosine * offsets[1], offsets[1] - cosine * offsets[0]);
-            (determinant > 1e-6).then(|| (x * a + y * b) / determinant)
-        }
-        [a, b, c] => {
-            let rows = Mat3::from_cols(a, b, c).transpose();
-            (rows.determinant().abs() > 1e-4).then(|| rows.inverse() * Vec3::from_array(offsets))
-        }
-        _ => None,
-    }
 }
 
 /// The coefficients of the part of a vector in the span of unit vectors.

@@ -7,6 +7,9 @@ use rayweave_shape::surface::Surface;
 /// The number of Newton steps towards a candidate; each doubles the number of correct digits.
 const STEPS: usize = 8;
 
+/// The determinants above which two and three normals are independent.
+const INDEPENDENT: [f64; 2] = [1e-12, 1e-9];
+
 /// A point on the other side of the boundary than the point from which distances are measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Witness {
@@ -97,7 +100,7 @@ impl Field {
                 // the signed distance of `from` from the tangent plane
                 offsets[k] = value / length + units[k].dot(from - point);
             }
-            point = from - combination(&units, offsets)?;
+            point = from - combination(&units, offsets, INDEPENDENT)?;
         }
         point.is_finite().then_some((point, units))
     }
@@ -132,19 +135,19 @@ impl Field {
 }
 
 /// The combination `sum x_k u_k` of unit vectors with given dot products `offsets_k` with them; `None` if they are nearly
-/// dependent.
-fn combination(units: &[Vec3], offsets: [f64; 3]) -> Option<Vec3> {
+/// dependent: the determinant of two, or of three, is at most that in `least`.
+pub(crate) fn combination(units: &[Vec3], offsets: [f64; 3], least: [f64; 2]) -> Option<Vec3> {
     match *units {
         [a] => Some(offsets[0] * a),
         [a, b] => {
             let cosine = a.dot(b);
             let determinant = 1.0 - cosine * cosine;
             let (x, y) = (offsets[0] - cosine * offsets[1], offsets[1] - cosine * offsets[0]);
-            (determinant > 1e-12).then(|| (x * a + y * b) / determinant)
+            (determinant > least[0]).then(|| (x * a + y * b) / determinant)
         }
         [a, b, c] => {
             let rows = Mat3::from_cols(a, b, c).transpose();
-            (rows.determinant().abs() > 1e-9).then(|| rows.inverse() * Vec3::from_array(offsets))
+            (rows.determinant().abs() > least[1]).then(|| rows.inverse() * Vec3::from_array(offsets))
         }
         _ => None,
     }

@@ -41,6 +41,7 @@ mod tree;
 
 use crate::{AnalysisError, Cancelled};
 use candidates::Witness;
+pub(crate) use candidates::combination;
 use field::Field;
 use rayweave_error::Message;
 use rayweave_math::Vec3;

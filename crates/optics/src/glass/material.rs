@@ -169,13 +169,13 @@ impl Glass {
     /// The material with an index that is larger by the same amount at all wavelengths. The amount follows its name, such as
     /// `N-BK7 -0.01000`; without an amount it is the same material.
     pub fn shifted(&self, by: f64) -> Glass {
+        if by == 0.0 {
+            return self.clone();
+        }
         let (law, before) = match &self.data.dispersion {
             Dispersion::Shifted { law, by } => (law.clone(), *by),
             other => (Box::new(other.clone()), 0.0),
         };
-        if by == 0.0 {
-            return self.clone();
-        }
         let name = self.data.name.strip_suffix(&shift_text(before)).unwrap_or(&self.data.name);
         let (name, by) = (format!("{name}{}", shift_text(before + by)), before + by);
         self.clone().changed(|data| {

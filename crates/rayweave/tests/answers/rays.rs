@@ -2,7 +2,7 @@
 
 use crate::hash::Hash;
 use rayweave::math::{Bounds, Vec3};
-use rayweave::model::{FirstHits, RayBatch, Rays};
+use rayweave::model::{FirstHitColumns, RayBatch, Rays};
 use rayweave::{Crossing, Evaluator, Packets, Program, Query, Ray, Window};
 use std::sync::Arc;
 
@@ -36,27 +36,15 @@ pub fn add_crossing(hash: &mut Hash, program: &Program, crossing: &Crossing) {
 
 /// Adds the nearest hits with their normals.
 fn nearest<E: Evaluator>(hash: &mut Hash, evaluator: &E, rays: Rays<'_>) {
-    let n = rays.len();
-    let (mut t, mut face, mut placement) = (vec![0.0; n], vec![0; n], vec![0; n]);
-    let (mut before, mut after) = (vec![0; n], vec![0; n]);
-    let mut normal = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
-    let [x, y, z] = normal.each_mut().map(Vec::as_mut_slice);
-    let mut hits = FirstHits {
-        t: &mut t,
-        face: &mut face,
-        placement: &mut placement,
-        before: &mut before,
-        after: &mut after,
-        normal: Some([x, y, z]),
-    };
+    let mut found = FirstHitColumns::new(rays.len());
     let window = Window::new(0.0, f64::INFINITY).unwrap();
-    evaluator.nearest(rays, window, &mut evaluator.scratch(), &mut hits);
-    hash.numbers(&t);
-    normal.iter().for_each(|column| hash.numbers(column));
-    for column in [placement, before, after] {
+    evaluator.nearest(rays, window, &mut evaluator.scratch(), &mut found.hits());
+    hash.numbers(&found.t);
+    found.normal.iter().for_each(|column| hash.numbers(column));
+    for column in [found.placement, found.before, found.after] {
         column.into_iter().for_each(|value| hash.count(u64::from(value)));
     }
-    face.into_iter().for_each(|value| hash.count(value as u64));
+    found.face.into_iter().for_each(|value| hash.count(value as u64));
 }
 
 /// Rays between points in and around a box: a Weyl sequence of square roots, so no random numbers are needed.
