@@ -40,7 +40,7 @@ pub struct RegionReport {
     /// The mass in grams, if the medium has a `density` (in g/cm^3).
     pub mass: Option<Estimate>,
     /// The box around the region, which it reaches on all sides: see [`extent`](fn@crate::features::extent). `None` for an empty region,
-    /// in models of more than [`MAX_BOXES`] regions, and if the measurement is restricted to a box.
+    /// in models of more than 32 regions, and if the measurement is restricted to a box.
     pub bounds: Option<Bounds>,
 }
 
