@@ -4,6 +4,7 @@
 //! run gives the same bits on any machine. Chunks are pulled only as fast as results are merged: at most a few per
 //! thread exist at any time. Work that is not divided into chunks, such as reading a file, can run [`aside`].
 
+use rayweave_error::{Classified, ErrorKind};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
 use std::num::NonZeroUsize;
@@ -113,6 +114,15 @@ pub enum Stopped<E> {
     /// Merging a result failed.
     #[error(transparent)]
     Failed(#[from] E),
+}
+
+impl<E: Classified> Classified for Stopped<E> {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Stopped::Cancelled => ErrorKind::Cancelled,
+            Stopped::Failed(error) => error.kind(),
+        }
+    }
 }
 
 /// Upper limit of the number of threads: on current machines, additional threads only wait for each other.
@@ -451,6 +461,13 @@ mod tests {
             let run = || drive(threads(n), &Cancel::new(), chunks, || (), |_, _| (), |()| Ok::<(), ()>(()));
             assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).is_err());
         }
+    }
+
+    #[test]
+    fn a_stopped_run_has_the_kind_of_its_cause() {
+        assert_eq!(Stopped::<crate::BadRay>::Cancelled.kind(), ErrorKind::Cancelled);
+        let bad = crate::BadRay { ray: 0, problem: rayweave_shape::RayError::NoDirection };
+        assert_eq!(Stopped::Failed(bad).kind(), ErrorKind::Value);
     }
 
     #[test]

@@ -141,6 +141,19 @@ impl Diagnostic {
     }
 }
 
+/// Like [`Diagnostics::render`] of this problem alone, without colours. A leading `error: ` or `warning: ` is left out: programs
+/// print it themselves.
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = self.render(&Renderer::plain());
+        let label = match self.severity {
+            Severity::Error => "error: ",
+            Severity::Warning => "warning: ",
+        };
+        f.write_str(text.strip_prefix(label).unwrap_or(&text))
+    }
+}
+
 /// The maximum number of characters of a message in rendered text: a message may quote a name or an expression of any
 /// length.
 const MAX_MESSAGE: usize = 1000;
@@ -291,6 +304,12 @@ impl<'a> IntoIterator for &'a Diagnostics {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_single_problem_is_printed_without_its_severity() {
+        assert_eq!(Diagnostic::warning("a table is unknown").to_string(), "a table is unknown");
+        assert_eq!(Diagnostic::error("a name is missing").to_string(), "a name is missing");
+    }
 
     #[test]
     fn rendered_text_is_limited() {

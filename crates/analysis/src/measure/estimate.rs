@@ -6,6 +6,9 @@ use super::tally::Tally;
 use rayweave_math::{Mat3, Vec3};
 
 /// A value with its confidence interval: `value - half_width` to `value + half_width`.
+///
+/// The half width is the standard error times the quantile of the normal distribution for the confidence of the settings: 2.5758
+/// at 99 %, the default, and 1.9600 at 95 %.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate {
     /// The value.
