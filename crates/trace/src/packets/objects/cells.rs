@@ -184,7 +184,7 @@ impl Cells {
             return;
         }
         self.sides = vec![[NONE; 2]; total];
-        let mut first = 0;
+        let (mut within, mut first) = (vec![[false; 2]; total], 0);
         for span in spans {
             let next = first + span.len() as u32;
             self.of_placement.push((first..next, span.start));
@@ -193,11 +193,16 @@ impl Cells {
         for (object, sides) in objects.objects.iter().zip(sides) {
             let (range, offset) = self.of_placement[object.placement as usize].clone();
             for &(surface, inside) in &objects.parts[object.part as usize].sides {
-                let at = &mut self.sides[(range.start + surface - offset) as usize];
-                // of the solids that share a surface, rays that start on it find out whether they are in this one
-                if *at == [NONE; 2] {
-                    let [out, own] = *sides;
-                    *at = if inside { [out, own] } else { [own, out] };
+                let (at, [out, own]) = ((range.start + surface - offset) as usize, *sides);
+                let (cells, within) = (&mut self.sides[at], &mut within[at]);
+                // of the solids that share a surface, the first one on each side is chosen, before those around them: rays that
+                // start there find out whether they are in it
+                let (inner, outer) = (usize::from(inside), usize::from(!inside));
+                if own != NONE && !within[inner] {
+                    (cells[inner], within[inner]) = (own, true);
+                }
+                if cells[outer] == NONE {
+                    cells[outer] = out;
                 }
             }
         }
