@@ -81,6 +81,9 @@ const CROWDED: usize = 16;
 /// Number of the boxes of a crowd that a ray passes on average, up to which the crowd is sparse.
 const SPARSE_CROWD: f64 = 4.0;
 
+/// Number of solids below which the nodes of their tree are few, so that most of them need not be full.
+const SMALL_CROWD: usize = 1000;
+
 /// Number of solids near a solid up to which those within others are found.
 const NESTED: usize = 16;
 
@@ -276,7 +279,10 @@ impl Crowd {
             x * y + y * z + z * x
         };
         let is_sparse = boxes.iter().map(surface).sum::<f64>() <= SPARSE_CROWD * surface(around);
-        let (tree, order) = ExactBvh::sorted(&boxes);
+        let (tree, order) = match boxes.len() < SMALL_CROWD {
+            true => ExactBvh::sorted_apart(&boxes),
+            false => ExactBvh::sorted(&boxes),
+        };
         Crowd { tree, solids: order.into_iter().map(|k| solids[k as usize]).collect(), is_sparse }
     }
 }
