@@ -185,7 +185,7 @@ mod tests {
     use super::*;
     use crate::photon::Photon;
 
-    /// Lists of several lengths are scattered as one by one, also along a polarisation that is not across the direction.
+    /// Lists of several lengths are scattered as one by one, also with polarisations that are not across the direction.
     #[test]
     fn photons_are_scattered_as_one_by_one() {
         let seed = 0x1234_5678_9abc_def0;
@@ -196,7 +196,7 @@ mod tests {
                 let mut stream = Stream::new(seed, k, 0, Purpose::Emission);
                 let direction = stream.direction();
                 let across = stream.polarisation(direction);
-                let polarisation = if k % 50 == 3 { Vec3::ZERO } else { across };
+                let polarisation = if k % 50 == 3 { stream.direction() } else { across };
                 let photon = Photon { position: Vec3::ONE, direction, polarisation, energy: 3e-6, time: 0.0 };
                 let number = k * 0x1_0000_0001 + 7;
                 let flight = Flight { origin: k, number, steps: (k % 5) as u32, region: 1, photon };

@@ -57,7 +57,8 @@ impl Objects {
         let before = first.before.0[lane];
         // a solid that begins at the time of the exit is included in the region after it
         let owns = if enters.t == a { region == after && region != before } else { region > after };
-        if !is_exit || !(enters.is_first && enters.is_entry) || !owns || enters.t >= next {
+        let is_another = enters.is_first && enters.is_entry;
+        if !is_exit || !is_another || !owns || enters.t >= next {
             return None;
         }
         let (b, end) = (enters.t, end.max(next));
