@@ -20,6 +20,11 @@ impl ExactBvh {
         ExactBvh::build(boxes, Split::Full)
     }
 
+    /// Like [`sorted`](ExactBvh::sorted), with more nodes, of which rays pass fewer: for lists of some hundred boxes.
+    pub fn sorted_apart(boxes: &[Bounds]) -> (ExactBvh, Vec<u32>) {
+        ExactBvh::build(boxes, Split::Free)
+    }
+
     /// The tree in the order of the list: queries return the items in this order, by their numbers. Items that
     /// are neighbours in the list should be neighbours in space.
     pub fn listed(boxes: &[Bounds]) -> ExactBvh {

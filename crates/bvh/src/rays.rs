@@ -22,7 +22,7 @@ pub struct RayTraversals {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SlabRay {
     /// For each axis, the numbers of the planes that the ray enters and leaves the boxes by.
-    planes: [[usize; 2]; 3],
+    planes: [[u8; 2]; 3],
     /// The other side of the comparison with these planes: the origin with the margin.
     origin: [[f64; 2]; 3],
     inverse: [f64; 3],
@@ -57,7 +57,7 @@ impl SlabRays {
         let (mut ray, margin) = (SlabRay { from, ..SlabRay::default() }, self.margin[lane % RAYS]);
         for k in 0..3 {
             let (origin, inverse) = (self.origin[k][lane % RAYS], self.inverse[k][lane % RAYS]);
-            let (low, high) = ((k, origin + margin), (k + 3, origin - margin));
+            let (low, high) = ((k as u8, origin + margin), (k as u8 + 3, origin - margin));
             // in this order, so that the ray misses empty boxes, from +inf to -inf
             let [near, far] = if inverse > 0.0 { [low, high] } else { [high, low] };
             ray.planes[k] = [near.0, far.0];
@@ -140,8 +140,8 @@ impl SlabRay {
         for k in 0..3 {
             // no `map`, whose closure would not be compiled for the instruction set
             let [near, far] = self.planes[k];
-            let near = f64x8::load_array_ref(simd, &node.planes[near % 6].0);
-            let far = f64x8::load_array_ref(simd, &node.planes[far % 6].0);
+            let near = f64x8::load_array_ref(simd, &node.planes[usize::from(near)].0);
+            let far = f64x8::load_array_ref(simd, &node.planes[usize::from(far)].0);
             enter = enter.max((near - self.origin[k][0]) * self.inverse[k]);
             leave = leave.min((far - self.origin[k][1]) * self.inverse[k]);
         }

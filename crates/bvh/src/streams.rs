@@ -5,7 +5,7 @@
 //! order along the rays: all items before the ends of the rays are found. That pays where rays pass few boxes.
 
 use crate::exact::ExactBvh;
-use crate::node::Row64;
+use crate::node::{Node64, Row64};
 use crate::rays::SlabRay;
 use fearless_simd::prelude::*;
 
@@ -107,12 +107,18 @@ impl RayStreams {
             *mask = passes;
             touched |= passes;
         }
+        let mut items = 0;
         while touched != 0 {
             let k = touched.trailing_zeros() as usize % crate::WIDTH;
             touched &= touched - 1;
             match node.child[k].as_node() {
                 Some(inner) => self.descend(inner, k, start..end),
-                None => self.pass(node.child[k].place(), k, start..end),
+                None => items |= 1 << k,
+            }
+        }
+        if items != 0 {
+            for at in 0..count {
+                self.pass(node, (at, self.numbers[start + at] as usize), items);
             }
         }
     }
@@ -133,22 +139,21 @@ impl RayStreams {
         self.open.push(Open { node: inner, start: first as u32, end: (first + len) as u32 });
     }
 
-    /// Adds an item in box `k` to the lists of those of some rays that pass it.
+    /// Adds the items of a node in the bit mask `items` to the list of a ray, as far as the ray passes their boxes; `at` is its place
+    /// among the rays of the node. Ray by ray: most pass none or one of them.
     #[inline(always)]
-    fn pass(&mut self, place: u32, k: usize, rays: std::ops::Range<usize>) {
-        let passes = self.masks.iter().zip(&self.enters);
-        for (&ray, (&mask, enters)) in self.numbers[rays].iter().zip(passes) {
-            if mask >> k & 1 == 0 {
-                continue;
-            }
-            let ray = ray as usize;
+    fn pass(&mut self, node: &Node64, (at, ray): (usize, usize), items: u64) {
+        let mut passes = self.masks[at] & items;
+        while passes != 0 {
+            let k = passes.trailing_zeros() as usize % crate::WIDTH;
+            passes &= passes - 1;
             self.counts[ray] += 1;
             if self.counts[ray] > MOST_PASSED {
                 self.until[ray] = f64::NEG_INFINITY;
-                continue;
+                return;
             }
             // sorted: there are rarely more than two
-            let (enter, own) = (enters.0[k], self.passed.len() as u32);
+            let (enter, own, place) = (self.enters[at].0[k], self.passed.len() as u32, node.child[k].place());
             let (mut before, mut next) = (NONE, self.first[ray]);
             while let Some(here) = self.passed.get(next as usize).filter(|here| here.enter < enter) {
                 (before, next) = (next, here.next);

@@ -1,7 +1,6 @@
 //! Hit attributes (point and normal), computed only for crossings that are reported.
 
-use crate::weld::local_ray;
-use crate::{Crossing, Face, PlacementId, Program};
+use crate::{Crossing, Face, Program};
 use rayweave_math::{Mat3, Vec3};
 use rayweave_shape::Ray;
 
@@ -23,33 +22,28 @@ pub fn normal(program: &Program, ray: &Ray, crossing: &Crossing) -> Vec3 {
     if slope == 0.0 { unit * outward(program, crossing.face) } else { unit * (slope.signum() * sign) }
 }
 
-/// The gradient of a face's surface at time t, in world coordinates. Only its direction is meaningful.
-pub fn world_gradient(program: &Program, ray: &Ray, face: Face, t: f64) -> Vec3 {
-    let (local, _) = local_ray(program, ray, face.placement);
-    let (_, gradient) = program.surface(face.surface).surface.value_and_gradient(local.at(t));
-    let up = carried_up(program, face.placement, gradient);
-    let largest = up.abs().max_element();
-    if largest > 0.0 { up / largest } else { Vec3::ZERO }
-}
-
 /// Nesting depth of placements handled without a heap allocation.
 const NESTED: usize = 4;
 
-/// A gradient transformed through every enclosing frame to the world, by the transpose of each
-/// `local_from_world`.
-fn carried_up(program: &Program, placement: PlacementId, gradient: Vec3) -> Vec3 {
-    if placement == PlacementId(0) {
-        return gradient;
-    }
-    let (mut first, mut count, mut deeper) = ([Mat3::IDENTITY; NESTED], 0, Vec::new());
-    for place in program.descend(placement) {
+/// The gradient of a face's surface at time t, in world coordinates. Only its direction is meaningful.
+///
+/// It is transformed through every enclosing frame by the transpose of each `local_from_world`.
+pub fn world_gradient(program: &Program, ray: &Ray, face: Face, t: f64) -> Vec3 {
+    let (mut local, mut first, mut count, mut deeper) = (*ray, [Mat3::IDENTITY; NESTED], 0, Vec::new());
+    // the ray as in `local_ray`, whose magnitude does not matter here
+    for place in program.descend(face.placement) {
+        local = local.transformed(&place.local_from_world);
         let map = place.local_from_world.linear.transpose();
         match first.get_mut(count) {
             Some(slot) => (*slot, count) = (map, count + 1),
             None => deeper.push(map),
         }
     }
-    first[..count].iter().chain(&deeper).rev().fold(gradient, |gradient, map| *map * gradient)
+    let (_, gradient) = program.surface(face.surface).surface.value_and_gradient(local.at(t));
+    let maps = first[..count].iter().chain(&deeper).rev();
+    let up = maps.fold(gradient, |gradient, map| *map * gradient);
+    let largest = up.abs().max_element();
+    if largest > 0.0 { up / largest } else { Vec3::ZERO }
 }
 
 /// +1 if the gradient of a face's surface points out of its leaf, else -1. Used where the ray is tangent.

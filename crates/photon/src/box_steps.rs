@@ -14,7 +14,7 @@ use crate::settings::RunSettings;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
-use rayweave_model::{AxisBox, BoxCells, BoxStart, PlacementId, RegionId, Start, SurfaceId};
+use rayweave_model::{AxisBox, BoxCell, BoxCells, BoxStart, PlacementId, RegionId, Start, SurfaceId};
 use rayweave_optics::start_surfaces::PlaneContact;
 use rayweave_shape::dispatch_wide;
 use rayweave_shape::lanes::{LANES, Lanes, Mask, Vec3Lanes, WideLevel, splat};
@@ -205,8 +205,8 @@ fn get(rows: &[Row; 3], lane: usize) -> Vec3 {
 }
 
 impl<'d> BoxSteps<'d> {
-    /// For a detector with known cells; `None` if photons of one number may be emitted together, whose order depends on the
-    /// loop over all photons, and on processors without wide vectors.
+    /// For a detector with known cells; `None` if photons move in none of them, if photons of one number may be emitted together,
+    /// whose order depends on the loop over all photons, and on processors without wide vectors.
     pub fn new(
         detector: &'d Detector,
         cells: Option<&'d BoxCells>,
@@ -215,6 +215,14 @@ impl<'d> BoxSteps<'d> {
         let (level, cells) = (WideLevel::widest()?, cells?);
         let mut shifters = detector.materials.iter().flat_map(|material| &material.shifters);
         if shifters.any(|shifter| shifter.mean_photons.is_some()) {
+            return None;
+        }
+        let is_entered = |cell: &BoxCell| {
+            let region = cells.boxes[cell.list[0] as usize].region;
+            let medium = detector.material_of.get(region.index());
+            region.0 > 0 && medium.is_some_and(|&medium| detector.materials[medium as usize].index.is_some())
+        };
+        if !cells.cells.iter().any(is_entered) {
             return None;
         }
         let plane = |(own, surface): (&AxisBox, SurfaceId)| {

@@ -83,26 +83,33 @@ impl Draws {
     }
 }
 
-/// Isotropic directions of photons and random polarisations, from the streams of their emission: those of
+/// Passes on isotropic directions of photons and random polarisations, from the streams of their emission: those of
 /// [`Stream::direction`] and then of [`Stream::polarisation`].
-pub(crate) fn isotropic(seed: u64, numbers: &[u64]) -> Vec<[Vec3; 2]> {
-    let mut found = vec![[Vec3::ZERO; 2]; numbers.len()];
+pub(crate) fn isotropic(seed: u64, numbers: impl Iterator<Item = u64>, put: impl FnMut([Vec3; 2])) {
     let level = Level::new();
-    dispatch!(level, simd => isotropic_lanes(simd, seed, numbers, &mut found));
-    found
+    dispatch!(level, simd => isotropic_lanes(simd, seed, numbers, put));
 }
 
 #[inline(always)]
-fn isotropic_lanes<S: Simd>(simd: S, seed: u64, numbers: &[u64], found: &mut [[Vec3; 2]]) {
+fn isotropic_lanes<S: Simd>(
+    simd: S,
+    seed: u64,
+    mut numbers: impl Iterator<Item = u64>,
+    mut put: impl FnMut([Vec3; 2]),
+) {
     simd.vectorize(
         #[inline(always)]
         || {
             let key = [seed as u32, (seed >> 32) as u32];
-            for (numbers, found) in numbers.chunks(LANES).zip(found.chunks_mut(LANES)) {
-                let mut counter = [[0; LANES]; 4];
-                for (lane, number) in numbers.iter().enumerate() {
-                    counter[0][lane % LANES] = number >> 32;
-                    counter[1][lane % LANES] = number & WORD;
+            loop {
+                let (mut counter, mut count) = ([[0; LANES]; 4], 0);
+                for number in numbers.by_ref().take(LANES) {
+                    counter[0][count % LANES] = number >> 32;
+                    counter[1][count % LANES] = number & WORD;
+                    count += 1;
+                }
+                if count == 0 {
+                    break;
                 }
                 let purpose = u64::from((Purpose::Emission as u32) << PURPOSE_SHIFT);
                 counter[3] = [purpose; LANES];
@@ -115,11 +122,11 @@ fn isotropic_lanes<S: Simd>(simd: S, seed: u64, numbers: &[u64], found: &mut [[V
                 let direction = around(simd, axis, cosine, load(uniforms(&first[2], &first[3])));
                 let turns = load(uniforms(&second[0], &second[1]));
                 let polarisation = around(simd, direction, splat(simd, 0.0), turns);
-                for (lane, found) in found.iter_mut().enumerate() {
-                    *found = [direction, polarisation].map(|vector| {
+                for lane in 0..count {
+                    put([direction, polarisation].map(|vector| {
                         let at = |values: Lanes<S>| values.as_slice()[lane % LANES];
                         Vec3::new(at(vector.x), at(vector.y), at(vector.z))
-                    });
+                    }));
                 }
             }
         },
@@ -251,6 +258,17 @@ pub(crate) fn boundary_uniforms(counters: [Words; 3], seed: u64, block: u32) -> 
     [uniforms(&a, &b), uniforms(&c, &d)]
 }
 
+/// The two uniform numbers in blocks of the scattering of eight photons; each photon has a block of its own number.
+#[inline(always)]
+pub(crate) fn scattering_uniforms([a, b, c]: [Words; 3], seed: u64, numbers: &Words) -> [[f64; LANES]; 2] {
+    let mut last = [u64::from((Purpose::Scattering as u32) << PURPOSE_SHIFT); LANES];
+    for lane in 0..LANES {
+        last[lane] += numbers[lane];
+    }
+    let [a, b, c, d] = blocks([a, b, c, last], [seed as u32, (seed >> 32) as u32]);
+    [uniforms(&a, &b), uniforms(&c, &d)]
+}
+
 /// [`philox4x32`](crate::philox::philox4x32) for eight counters.
 #[inline(always)]
 fn blocks(mut counter: [Words; 4], mut key: [u32; 2]) -> [Words; 4] {
@@ -375,7 +393,8 @@ mod tests {
         let seed = 0xfedc_ba98_7654_3210;
         for count in [0, 1, 7, 8, 29, 4000] {
             let numbers: Vec<u64> = (0..count).map(|k| k * 0x1_0000_0001 + 3).collect();
-            let found = isotropic(seed, &numbers);
+            let mut found = Vec::new();
+            isotropic(seed, numbers.iter().copied(), |vectors| found.push(vectors));
             assert_eq!(found.len(), numbers.len());
             for (number, [direction, polarisation]) in numbers.into_iter().zip(found) {
                 let mut stream = Stream::new(seed, number, 0, Purpose::Emission);

@@ -8,7 +8,7 @@ use crate::boundary::{
 };
 use crate::box_steps::{BatchPhotons, BoxSteps};
 use crate::detector::{DetectionRule, Detector, Meeting};
-use crate::draws::{Draws, LEAST_EXPONENTIAL, counter, exponential};
+use crate::draws::{Draws, LEAST_EXPONENTIAL, counter, exponential, isotropic};
 use crate::error::PhotonError;
 use crate::flight::{End, Flight};
 use crate::history::{Histories, HistoryOptions, HistoryRecorder, Process, Recorder};
@@ -16,7 +16,7 @@ use crate::hits::Hits;
 use crate::material::{Bulk, MaterialValues, OpticalMaterial, ValueTable};
 use crate::philox::{Purpose, Stream};
 use crate::photon::{EventKey, Photon};
-use crate::scatter;
+use crate::scatter::{self, LaneScattering};
 use crate::settings::{RunSettings, TimeProfile};
 use crate::source::Source;
 use crate::volume::VolumePaths;
@@ -195,6 +195,7 @@ pub(crate) struct Batch<'d, E: Evaluator, R: Recorder> {
     stages: Vec<Stage>,
     bare: LaneBoundaries,
     painted: LaneBoundaries,
+    scattering: LaneScattering,
     /// Steps within boxes, in runs without histories.
     boxes: Option<BoxSteps<'d>>,
     result: PhotonRun,
@@ -261,6 +262,8 @@ enum Stage {
     End(End),
     /// A process in the material.
     Bulk(Bulk),
+    /// Rayleigh scattering, with the number of the photon among those that are scattered together.
+    Scattering(u32),
     /// The boundary, with the refractive index in front of it.
     Boundary(f64, Group),
 }
@@ -305,6 +308,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             stages: Vec::new(),
             bare: LaneBoundaries::bare(),
             painted: LaneBoundaries::painted(),
+            scattering: LaneScattering::new(),
             boxes: if R::RECORDS { None } else { BoxSteps::new(detector, evaluator.box_cells(), settings) },
             result: PhotonRun::default(),
             paths: VolumePaths::default(),
@@ -368,16 +372,25 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     fn emit(&mut self, source: &Source, key: EventKey, numbers: Range<u64>) {
         let mut photons = std::mem::take(&mut self.emitted);
         self.clear();
-        for first in numbers.clone().step_by(CHUNK) {
-            photons.clear();
-            let some = first..numbers.end.min(first + CHUNK as u64);
-            source.emit((self.detector, self.evaluator), &mut self.scratch, key, some, &mut photons);
-            self.result.photons += photons.len() as u64;
-            let region = self.source_region;
-            let flight =
-                |(origin, &photon)| Flight { origin, number: key.number(origin), steps: 0, region, photon };
-            self.flights.extend((first..).zip(&photons).map(flight));
+        let region = self.source_region;
+        let flight = |origin, photon| Flight { origin, number: key.number(origin), steps: 0, region, photon };
+        if let Some(template) = source.at_point() {
+            let mut origins = numbers.clone();
+            let streams = numbers.map(|origin| key.number(origin));
+            isotropic(key.seed, streams, |[direction, polarisation]| {
+                let photon = Photon { direction, polarisation, ..template };
+                self.flights.extend(origins.next().map(|origin| flight(origin, photon)));
+            });
+        } else {
+            for first in numbers.clone().step_by(CHUNK) {
+                photons.clear();
+                let some = first..numbers.end.min(first + CHUNK as u64);
+                source.emit((self.detector, self.evaluator), &mut self.scratch, key, some, &mut photons);
+                let emitted = (first..).zip(&photons);
+                self.flights.extend(emitted.map(|(origin, &photon)| flight(origin, photon)));
+            }
         }
+        self.result.photons += self.flights.len() as u64;
         self.emitted = photons;
         self.first.resize(self.flights.len() + 1, 0);
     }
@@ -395,7 +408,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
 
     /// Further steps of photons within boxes, as far as they are certain.
     fn step_in_boxes(&mut self) {
-        let Some(boxes) = &mut self.boxes else { return };
+        // without start surfaces no photon is on a face
+        let Some(boxes) = self.boxes.as_mut().filter(|_| !self.starts.is_empty()) else { return };
         let counts = boxes.run(&mut BatchPhotons {
             flights: &mut self.flights,
             first: &self.first,
@@ -531,6 +545,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.stages.clear();
         self.bare.clear();
         self.painted.clear();
+        self.scattering.clear();
         if R::RECORDS {
             // the rows of a photon follow each other
             for i in 0..self.chunk.len() {
@@ -546,6 +561,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         for lanes in [&mut self.bare, &mut self.painted] {
             lanes.apply(self.settings.seed, &self.detector.starts);
         }
+        self.scattering.apply(self.settings.seed);
         self.draws.answer(self.settings.seed);
         self.read_ahead();
         for i in 0..self.chunk.len() {
@@ -564,7 +580,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.detector.starts.read_ahead(at_boundary);
     }
 
-    /// Moves a photon to the end of its step, unless that is a boundary. If `collects` is true, photons at bare interfaces are collected.
+    /// Moves a photon to the end of its step, unless that is a boundary. If `collects` is true, photons with the same process are
+    /// collected for groups of eight.
     fn advance(&mut self, i: usize, collects: bool) -> Stage {
         let detector = self.detector;
         let region = self.found.before[i] as usize;
@@ -612,6 +629,12 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             () => return Stage::Boundary(index, Group::Alone),
         };
         flight.photon.position = flight.photon.ray().at(length);
+        if collects
+            && let Stage::Bulk(Bulk::Rayleigh) = stage
+            && let Some(number) = self.scattering.push(flight)
+        {
+            return Stage::Scattering(number);
+        }
         stage
     }
 
@@ -669,6 +692,12 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             Stage::Bulk(process) => {
                 let medium = self.detector.material_of[self.found.before[i] as usize] as usize;
                 self.bulk(i, &self.detector.materials[medium], process);
+            }
+            Stage::Scattering(number) => {
+                let flight = self.flights[self.chunk.start + i];
+                let (direction, polarisation) = self.scattering.get(number);
+                let photon = Photon { direction, polarisation, ..flight.photon };
+                self.keep_as(Flight { photon, ..flight });
             }
             Stage::Boundary(index, group) => {
                 let departed = match group {

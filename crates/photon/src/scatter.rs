@@ -1,5 +1,9 @@
 //! Scattering in a material: Rayleigh and Mie.
 
+mod lanes;
+
+pub(crate) use lanes::LaneScattering;
+
 use crate::material::Mie;
 use crate::philox::Stream;
 use rayweave_math::Vec3;

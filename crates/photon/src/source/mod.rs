@@ -44,6 +44,13 @@ impl Source {
         Some(photons.iter().map(|&photon| gensteps.parent(photon as u64) as i64).collect())
     }
 
+    /// The photon without its direction and polarisation, if all photons leave one point in [random
+    /// directions](isotropic) and are equal otherwise.
+    pub(crate) fn at_point(&self) -> Option<Photon> {
+        let Source::Torch(torch) = self else { return None };
+        torch.template().filter(|_| torch.volume().is_none())
+    }
+
     /// Appends the photons of a range of numbers.
     pub(crate) fn emit<E: Evaluator>(
         &self,
@@ -59,12 +66,10 @@ impl Source {
             Source::Torch(torch) => {
                 match torch.template() {
                     Some(template) => {
-                        let streams: Vec<u64> = numbers.clone().map(|number| key.number(number)).collect();
-                        photons.extend(
-                            isotropic(key.seed, &streams).into_iter().map(|[direction, polarisation]| {
-                                Photon { direction, polarisation, ..template }
-                            }),
-                        );
+                        let streams = numbers.clone().map(|number| key.number(number));
+                        isotropic(key.seed, streams, |[direction, polarisation]| {
+                            photons.push(Photon { direction, polarisation, ..template });
+                        });
                     }
                     None => photons.extend(numbers.clone().map(|number| torch.photon(&mut stream(number)))),
                 }

@@ -82,7 +82,7 @@ struct Part {
     surfaces: Vec<u32>,
     /// The first and the last of them, if they are consecutive numbers.
     consecutive: Option<[f64; 2]>,
-    /// The surfaces of its leaves; the flag is true if the leaf lies where f < 0.
+    /// The surfaces of its leaves; the flag is true if the part lies where f < 0.
     sides: Vec<(u32, bool)>,
     /// The numbers of its faces, if it is a leaf whose faces are planes.
     planes: Option<Range<u32>>,
@@ -351,10 +351,14 @@ impl<'p> Gathered<'p> {
     fn new_part(&mut self, within: &Within) -> Option<u32> {
         let (program, group) = (self.program, self.program.prototype(within.group));
         let leaves = leaves(&group.expression, within.edge)?;
-        let all = leaves.into_iter().map(|leaf| self.leaf(within, leaf));
+        let all = leaves.iter().map(|&(leaf, _)| self.leaf(within, leaf));
         let planes = planes(program, all.clone());
-        let facets = all.clone().flat_map(|leaf| program.leaf(leaf).facets());
-        let sides = facets.map(|facet| (facet.surface().0, facet.inside())).collect();
+        let signed = all.clone().zip(leaves.iter().map(|&(_, is_subtracted)| is_subtracted));
+        let sides = signed.flat_map(|(leaf, is_subtracted)| {
+            let facets = program.leaf(leaf).facets().iter();
+            facets.map(move |facet| (facet.surface().0, facet.inside() != is_subtracted))
+        });
+        let sides = sides.collect();
         let (limits, condition) = (limits(program, group, all), group.condition);
         let method = self.method(within, group)?;
         let surfaces = method.surfaces();
@@ -398,7 +402,7 @@ impl<'p> Gathered<'p> {
     fn extent(&self, within: &Within) -> Option<Bounds> {
         let program = self.program;
         let leaves = leaves(&program.prototype(within.group).expression, within.edge)?;
-        let bounds = leaves.iter().map(|&leaf| program.leaf_bounds(self.leaf(within, leaf)));
+        let bounds = leaves.iter().map(|&(leaf, _)| program.leaf_bounds(self.leaf(within, leaf)));
         let all = bounds.fold(Bounds::EMPTY, |all, bounds| all.union(&bounds));
         let placed = |around: Bounds, &(group, leaf): &(PrototypeId, LeafId)| {
             let outer: &Prototype = program.prototype(group);
@@ -412,7 +416,8 @@ impl<'p> Gathered<'p> {
         let program = self.program;
         let leaves = leaves(&program.prototype(within.group).expression, within.edge)?;
         let matters = self.matters(within.group);
-        let mut around = leaves.iter().fold(Bounds::EMPTY, |all, leaf| all.union(&matters[leaf.index()]));
+        let matters = leaves.iter().map(|(leaf, _)| &matters[leaf.index()]);
+        let mut around = matters.fold(Bounds::EMPTY, |all, bounds| all.union(bounds));
         for &(group, leaf) in within.path.iter().rev() {
             let outer: &Prototype = program.prototype(group);
             let id = LeafId(outer.leaves.start + leaf.0);
@@ -467,13 +472,14 @@ fn planes(program: &Program, mut leaves: impl Iterator<Item = LeafId>) -> Option
     facets.clone().all(is_plane).then_some(facets)
 }
 
-/// The leaves below an edge; `None` if there are too many.
-fn leaves(expression: &Expression, edge: Edge) -> Option<Vec<LeafId>> {
-    let (mut found, mut waiting) = (Vec::new(), vec![edge]);
-    while let Some(edge) = waiting.pop() {
+/// The leaves below an edge, each with true if it is subtracted; `None` if there are too many.
+fn leaves(expression: &Expression, edge: Edge) -> Option<Vec<(LeafId, bool)>> {
+    let (mut found, mut waiting) = (Vec::new(), vec![(edge, false)]);
+    while let Some((edge, is_outside)) = waiting.pop() {
+        let is_outside = is_outside != edge.is_complemented();
         match expression.node(edge.node()) {
-            Gate::Leaf(leaf) => found.push(leaf),
-            Gate::Join(_, operands) => waiting.extend(operands.iter()),
+            Gate::Leaf(leaf) => found.push((leaf, is_outside)),
+            Gate::Join(_, operands) => waiting.extend(operands.iter().map(|&operand| (operand, is_outside))),
             Gate::Empty | Gate::Universe => {}
         }
         if found.len() + waiting.len() > 64 * MAX_SPANS {

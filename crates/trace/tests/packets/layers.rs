@@ -186,6 +186,50 @@ fn a_tank_of_turned_solids() {
     tally.finish(1_500);
 }
 
+/// Copies of a tile with a hole for a fibre and its cladding, in a wrapping with the same hole that touches the tile, or nearly.
+fn tiles(rng: &mut Random, frame: &Affine) -> Vec<Region> {
+    let half = Vec3::new(1.5, 0.5, rng.pick(&[1.5, 0.7]));
+    let [slit, thin] = [(); 2].map(|()| if rng.chance(0.4) { 0.0 } else { gap(rng) });
+    let hole = || cylinder(0.12, 6.0);
+    let tile = cube(half) - hole();
+    let wrapping = cube(half + Vec3::splat(0.1)) - cube(half + Vec3::splat(slit)) - hole();
+    let core = cylinder(0.06, rng.pick(&[3.8, 1.0]));
+    let cladding = cylinder(0.08, 3.8) - cylinder(0.06 + thin, 5.0);
+    let is_turned = rng.chance(0.5);
+    let map = |k: u32| {
+        let turn = Affine::rotation(Vec3::X, if is_turned { 90.0 } else { 0.0 });
+        let shift = Vec3::new(3.5 * f64::from(k % 3), 5.0 * f64::from(k / 3), 0.1 * f64::from(k));
+        turn.then(&Affine::translate(shift))
+    };
+    let maps: Vec<Affine> = (0..6).map(map).collect();
+    let sensor = cube(Vec3::splat(0.1)).translate([0.0, 0.0, 2.0]);
+    let cell = cube(Vec3::new(1.7, 0.7, 2.2));
+    let parts = [cell, tile, wrapping, core, cladding, sensor].map(|solid| solid.place(maps.clone()));
+    regions(std::iter::once(cube(Vec3::splat(30.0))).chain(parts), frame)
+}
+
+/// Rays in tiles leave several solids and enter others at the same or nearly the same time.
+#[test]
+fn tiles_with_fibres() {
+    let mut tally = Tally::new("tiles with fibres");
+    for seed in 0..60 {
+        let rng = &mut Random::new(13 << 40 | seed);
+        let frame = match rng.below(3) {
+            0 => Affine::rotation(rng.direction(), 30.0),
+            _ => Affine::IDENTITY,
+        };
+        let regions = tiles(rng, &frame);
+        let ray = |_| {
+            let from = Vec3::new(rng.between(-1.0, 8.0), rng.between(-1.0, 6.0), rng.between(-0.5, 1.0));
+            Ray::new(from, rng.direction()).transformed(&frame)
+        };
+        let rays = (0..40).map(ray).collect();
+        let Some(setting) = Setting::new(regions, rays, format!("tiles, seed {seed}")) else { continue };
+        starts::follow(&setting, levels()[seed as usize % 2], rng, &mut tally);
+    }
+    tally.finish(5_000);
+}
+
 /// A ray that starts within one copy of a region, on the plane of a face of another copy: the solids beside that copy are not
 /// all that it can meet.
 #[test]

@@ -81,6 +81,9 @@ const CROWDED: usize = 16;
 /// Number of the boxes of a crowd that a ray passes on average, up to which the crowd is sparse.
 const SPARSE_CROWD: f64 = 4.0;
 
+/// Number of solids below which the nodes of their tree are few, so that most of them need not be full.
+const SMALL_CROWD: usize = 1000;
+
 /// Number of solids near a solid up to which those within others are found.
 const NESTED: usize = 16;
 
@@ -184,7 +187,7 @@ impl Cells {
             return;
         }
         self.sides = vec![[NONE; 2]; total];
-        let mut first = 0;
+        let (mut within, mut first) = (vec![[false; 2]; total], 0);
         for span in spans {
             let next = first + span.len() as u32;
             self.of_placement.push((first..next, span.start));
@@ -193,11 +196,16 @@ impl Cells {
         for (object, sides) in objects.objects.iter().zip(sides) {
             let (range, offset) = self.of_placement[object.placement as usize].clone();
             for &(surface, inside) in &objects.parts[object.part as usize].sides {
-                let at = &mut self.sides[(range.start + surface - offset) as usize];
-                // of the solids that share a surface, rays that start on it find out whether they are in this one
-                if *at == [NONE; 2] {
-                    let [out, own] = *sides;
-                    *at = if inside { [out, own] } else { [own, out] };
+                let (at, [out, own]) = ((range.start + surface - offset) as usize, *sides);
+                let (cells, within) = (&mut self.sides[at], &mut within[at]);
+                // of the solids that share a surface, the first one on each side is chosen, before those around them: rays that
+                // start there find out whether they are in it
+                let (inner, outer) = (usize::from(inside), usize::from(!inside));
+                if own != NONE && !within[inner] {
+                    (cells[inner], within[inner]) = (own, true);
+                }
+                if cells[outer] == NONE {
+                    cells[outer] = out;
                 }
             }
         }
@@ -271,7 +279,10 @@ impl Crowd {
             x * y + y * z + z * x
         };
         let is_sparse = boxes.iter().map(surface).sum::<f64>() <= SPARSE_CROWD * surface(around);
-        let (tree, order) = ExactBvh::sorted(&boxes);
+        let (tree, order) = match boxes.len() < SMALL_CROWD {
+            true => ExactBvh::sorted_apart(&boxes),
+            false => ExactBvh::sorted(&boxes),
+        };
         Crowd { tree, solids: order.into_iter().map(|k| solids[k as usize]).collect(), is_sparse }
     }
 }

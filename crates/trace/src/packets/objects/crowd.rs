@@ -8,7 +8,7 @@
 use super::super::Firsts;
 use super::super::group::{BundleEvaluation, Row};
 use super::super::places::{Step, slabs};
-use super::cells::{Crowd, NONE};
+use super::cells::Crowd;
 use super::within::{
     Departures, Eight, FirstStarts, Passage, Passages, Starts, Walk, cell_of, number, solids_in,
 };
@@ -22,7 +22,7 @@ use rayweave_shape::lanes::{LANES, LaneRay, Lanes, Mask, Vec3Lanes, splat};
 /// Rays that start among many solids, with the memory for their search.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Seekers {
-    /// The numbers of the rays, with those of their crowds in the upper halves.
+    /// The numbers of the rays, with those of their cells in the upper halves: each has a crowd of its own.
     pub rays: Vec<u64>,
     traversals: RayTraversals,
     /// The solids on the ways of all rays of a sparse crowd.
@@ -255,11 +255,12 @@ impl Firsts<'_, '_> {
             rays.sort_unstable();
         }
         for rays in rays.chunk_by_mut(|&a, &b| cell_of(a) == cell_of(b)) {
-            let crowd = objects.cells.crowd(cell_of(rays[0]));
+            let number = cell_of(rays[0]);
+            let crowd = objects.cells.crowd(objects.cells.get(number).crowd);
             if !crowd.is_sparse {
                 objects.order(&self.rays, rays);
             }
-            self.among_crowd(simd, objects, (crowd, rays), group, seekers, others);
+            self.among_crowd(simd, objects, (number, crowd, rays), group, seekers, others);
         }
         for done in &mut seekers.done {
             self.put_done(simd, objects, done);
@@ -267,13 +268,13 @@ impl Firsts<'_, '_> {
         seekers.rays = rays;
     }
 
-    /// First hits of rays that start among the solids of a crowd.
+    /// First hits of rays that start in a cell, among the solids of its crowd.
     #[inline(always)]
     fn among_crowd<S: Simd>(
         &mut self,
         simd: S,
         objects: &Objects,
-        (crowd, rays): (&Crowd, &[u64]),
+        (cell, crowd, rays): (u32, &Crowd, &[u64]),
         group: &mut BundleEvaluation<'_, S>,
         seekers: &mut Seekers,
         others: &mut Vec<u64>,
@@ -284,7 +285,7 @@ impl Firsts<'_, '_> {
         let mut places = [Some(StreamPlace::END); LANES];
         if crowd.is_sparse {
             for numbers in eights.by_ref() {
-                self.prepare(simd, objects, group, numbers, seekers, others);
+                self.prepare(simd, objects, group, (cell, numbers), seekers, others);
             }
             seekers.streams.find(simd, &crowd.tree, &seekers.slabs);
             objects.read_ahead(crowd, seekers.streams.places());
@@ -307,7 +308,7 @@ impl Firsts<'_, '_> {
                     }
                     if seekers.waiting.is_empty() {
                         let Some(numbers) = eights.next() else { break };
-                        self.prepare(simd, objects, group, numbers, seekers, others);
+                        self.prepare(simd, objects, group, (cell, numbers), seekers, others);
                         continue;
                     }
                     let (Some(seeker), Some((slabs, until))) = (seekers.waiting.pop(), seekers.slabs.pop())
@@ -337,13 +338,13 @@ impl Firsts<'_, '_> {
         }
     }
 
-    /// Intersects up to eight rays with the solids in which they start.
+    /// Intersects up to eight rays with the solid of the cell in which they start.
     fn prepare<S: Simd>(
         &mut self,
         simd: S,
         objects: &Objects,
         group: &mut BundleEvaluation<'_, S>,
-        numbers: &[u64],
+        (cell, numbers): (u32, &[u64]),
         seekers: &mut Seekers,
         others: &mut Vec<u64>,
     ) {
@@ -359,16 +360,11 @@ impl Firsts<'_, '_> {
                 let margin = ray.origin.taxicab() * (objects.condition * MARGIN);
                 let slabs = slabs(simd, ray.origin, ray.direction, margin);
                 let behind = splat(simd, objects.cells.slack) / ray.direction.taxicab();
-                let (mut cells, mut items, some) = ([NONE; LANES], [0; LANES], (1 << numbers.len()) - 1);
-                for (lane, &entry) in numbers.iter().enumerate() {
-                    let Some(lists) = &self.query.starts else { continue };
-                    cells[lane] = objects.cell_of(lists, self.regions, number(entry));
-                    items[lane] = objects.cells.list(objects.cells.get(cells[lane]))[0];
-                }
-                let queried = Mask::from_bitmask(simd, some);
+                let queried = Mask::from_bitmask(simd, (1 << numbers.len()) - 1);
+                let own = objects.cells.list(objects.cells.get(cell))[0];
                 let t_max = self.query.window.t_max();
                 let rays = Departures { ray: &ray, starts, queried, from: eight.from, t_max };
-                let Passages { passage, near, .. } = objects.pass_each(group, &items, some, &rays, behind);
+                let (passage, near) = objects.pass_one(group, own, &rays, behind);
                 let unsure = uncertain.always | passage.uncertain;
                 let near = (near | passage.grazes).to_bitmask();
                 let leaves = passage.inside & passage.first.simd_lt(f64::INFINITY) & !unsure;
@@ -391,7 +387,7 @@ impl Firsts<'_, '_> {
                     seekers.slabs.push((slabs.ray(lane, at(6)), at(8) + at(7)));
                     seekers.waiting.push(Seeker {
                         ray: number(entry) as u32,
-                        cell: cells[lane],
+                        cell,
                         given: [at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)],
                         start: ([surface.0[lane], placement.0[lane]], inside >> lane & 1 == 1),
                         exit: [at(8), at(9), at(10)],

@@ -16,6 +16,8 @@ struct End {
     t: f64,
     solid: usize,
     is_entry: bool,
+    /// True for the first change of the ray at the solid.
+    is_first: bool,
 }
 
 impl Objects {
@@ -38,13 +40,11 @@ impl Objects {
             if region.0[lane] == 0.0 {
                 continue;
             }
-            if !bit(*single) {
-                return None;
-            }
             let is_entry = !bit(*inside);
-            ends.push(End { t: first.0[lane], solid, is_entry });
-            if is_entry {
-                ends.push(End { t: second.0[lane], solid, is_entry: false });
+            ends.push(End { t: first.0[lane], solid, is_entry, is_first: true });
+            // further changes at a solid in several pieces are behind its second one, whose time is a lower bound
+            if is_entry || !bit(*single) {
+                ends.push(End { t: second.0[lane], solid, is_entry: !is_entry, is_first: false });
             }
         }
         ends.retain(|end| end.t >= a && end.t < f64::INFINITY);
@@ -52,12 +52,13 @@ impl Objects {
         let [leaves, enters, later @ ..] = ends.as_slice() else { return None };
         let (front, behind) = (&met[leaves.solid], &met[enters.solid]);
         let region = behind.region.0[lane];
-        let is_exit = !leaves.is_entry && front.object.0[lane] == own && leaves.t == a;
+        let is_exit = leaves.is_first && !leaves.is_entry && front.object.0[lane] == own && leaves.t == a;
         let next = later.first().map_or(f64::INFINITY, |end| end.t).min(horizon);
         let before = first.before.0[lane];
         // a solid that begins at the time of the exit is included in the region after it
         let owns = if enters.t == a { region == after && region != before } else { region > after };
-        if !is_exit || !enters.is_entry || !owns || enters.t >= next {
+        let is_another = enters.is_first && enters.is_entry;
+        if !is_exit || !is_another || !owns || enters.t >= next {
             return None;
         }
         let (b, end) = (enters.t, end.max(next));

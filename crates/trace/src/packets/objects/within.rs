@@ -195,7 +195,7 @@ fn sort_by_cell(entries: &[u64], cells: usize, counts: &mut Vec<u32>, sorted: &m
     }
 }
 
-/// The cell of an entry of [`Walk::listed`], or the crowd of one of [`Seekers::rays`].
+/// The cell of an entry of [`Walk::listed`] or [`Seekers::rays`].
 pub(super) fn cell_of(entry: u64) -> u32 {
     (entry >> 32) as u32
 }
@@ -423,7 +423,7 @@ impl Objects {
                 NONE => order.push(ray as u64),
                 cell => match self.cells.get(cell).crowd {
                     NONE => unsorted.push(u64::from(cell) << 32 | ray as u64),
-                    crowd => seekers.rays.push(u64::from(crowd) << 32 | ray as u64),
+                    _ => seekers.rays.push(u64::from(cell) << 32 | ray as u64),
                 },
             }
         }
@@ -630,22 +630,58 @@ impl Objects {
         progress: &mut Progress<S>,
     ) -> Option<Met> {
         let simd = group.simd;
+        let (passage, _, several) = self.pass_all(group, item, rays);
+        progress.uncertain |= several | (passage.uncertain & rays.queried);
+        let region = self.objects[item as usize].region;
+        let solids = (splat(simd, f64::from(item)), splat(simd, region));
+        progress.meet(simd, solids, &passage, rays.queried, passage.is_single.then_some(u64::MAX))
+    }
+
+    /// The ways of all rays through one solid, and the rays whose first change may be welded to another one within a distance
+    /// behind it.
+    pub(super) fn pass_one<S: Simd>(
+        &self,
+        group: &mut BundleEvaluation<'_, S>,
+        item: u32,
+        rays: &Departures<'_, S>,
+        behind: Lanes<S>,
+    ) -> (Passage<S>, Mask<S>) {
+        // a separate function, since the kernels are large
+        group.simd.vectorize(
+            #[inline(always)]
+            || {
+                let (mut passage, ray, several) = self.pass_all(group, item, rays);
+                passage.uncertain |= several;
+                let limits = &self.parts[self.objects[item as usize].part as usize].limits;
+                let near = ray.may_coincide(passage.first, passage.first + behind, limits);
+                (passage, near)
+            },
+        )
+    }
+
+    /// The ways of all rays through one solid, the rays in its frame, and those that start on several of its surfaces.
+    #[inline(always)]
+    fn pass_all<S: Simd>(
+        &self,
+        group: &mut BundleEvaluation<'_, S>,
+        item: u32,
+        rays: &Departures<'_, S>,
+    ) -> (Passage<S>, LaneRay<S>, Mask<S>) {
+        let simd = group.simd;
         let object = &self.objects[item as usize];
         let part = &self.parts[object.part as usize];
         let placement = Row([f64::from(object.placement); LANES]);
         let (listed, several) = listed(simd, &placement, part, rays.starts);
-        progress.uncertain |= Mask::from_bitmask(simd, several);
         let steps = self.steps(object);
-        let carried = Carried::new(simd, rays.ray.origin, rays.ray.direction, steps);
         let (mut always, mut ray) = (Mask::splat(simd, false), *rays.ray);
         if !steps.is_empty() {
+            let carried = Carried::new(simd, rays.ray.origin, rays.ray.direction, steps);
             let (carried, uncertain) = carried.ready(simd, &part.limits);
             (always, ray) = (uncertain.always, carried);
         }
-        let passage = pass(group, part, &ray, listed.as_ref(), (rays.from, rays.t_max));
-        progress.uncertain |= (always | passage.uncertain) & rays.queried;
-        let solids = (splat(simd, f64::from(item)), splat(simd, object.region));
-        progress.meet(simd, solids, &passage, rays.queried, passage.is_single.then_some(u64::MAX))
+        let mut passage = pass(group, part, &ray, listed.as_ref(), (rays.from, rays.t_max));
+        passage.uncertain |= always;
+        (passage, ray, Mask::from_bitmask(simd, several))
     }
 
     /// Intersects the solids of a list with the rays in a bit mask, each solid with one ray; `None` if no ray passes its
