@@ -1,8 +1,10 @@
 //! The error type of the library.
 
 use rayweave_error::{Classified, ErrorKind};
+use rayweave_model::drive::Stopped;
 #[cfg(feature = "scene")]
 use rayweave_scene::Diagnostics;
+use std::convert::Infallible;
 use std::{fmt, io, iter};
 
 /// Any error of the library, printed as `problem: reason. Suggestion.`
@@ -12,6 +14,15 @@ use std::{fmt, io, iter};
 pub struct Error(Box<dyn Classified + Send + Sync>);
 
 impl Error {
+    /// The error of a run by [`drive`](crate::model::drive::drive) whose closures return errors of the library, for `map_err`. Those of
+    /// other types convert with `?`.
+    pub fn from_stopped(stopped: Stopped<Error>) -> Error {
+        match stopped {
+            Stopped::Failed(error) => error,
+            Stopped::Cancelled => Stopped::<Infallible>::Cancelled.into(),
+        }
+    }
+
     /// The kind of the error.
     pub fn kind(&self) -> ErrorKind {
         self.0.kind()
