@@ -46,7 +46,7 @@ mod zmx;
 pub use coordinate_break::CoordinateBreak;
 pub use error::PrescriptionError;
 pub use follow::SurfaceIntersection;
-pub use solids::{IMAGE, PrescriptionLayout};
+pub use solids::{IMAGE, LensOutline, PrescriptionLayout};
 pub use stop::{MOUNT, STOP, StopSheet};
 pub use zmx::{Read, ZmxError, read_zmx, write_zmx};
 

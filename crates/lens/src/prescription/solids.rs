@@ -21,6 +21,21 @@ const SPARE: f64 = 1.02;
 /// The least thickness of a mirror substrate behind its rim, in units of its diameter.
 const SUBSTRATE: f64 = 0.1;
 
+/// The outline of a lens among the solids.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LensOutline {
+    /// The name of its element.
+    pub name: String,
+    /// Its surfaces in the order of z, counted from 0; the medium is that behind the first one in the order of light.
+    pub surfaces: [usize; 2],
+    /// The semi-diameters at which the surfaces end; beyond them the lens has a flat rim.
+    pub ends: [f64; 2],
+    /// The semi-diameter of the lens.
+    pub semi_diameter: f64,
+    /// The distance of the vertices.
+    pub thickness: f64,
+}
+
 /// A prescription converted to parts of a system.
 #[derive(Clone, Debug)]
 pub struct PrescriptionLayout {
@@ -30,6 +45,8 @@ pub struct PrescriptionLayout {
     /// The sheets of the stop, [`STOP`](super::STOP) and [`MOUNT`](super::MOUNT): none if the stop is the rim of a
     /// mirror, or of a lens that is as wide as any other. A stop on a wider face of a lens is a ring on that face.
     pub stop: Vec<StopSheet>,
+    /// The lenses, in the order of `assembly`.
+    pub lenses: Vec<LensOutline>,
     /// The numbers of the elements in the order in which light reaches them in the prescription; light on any
     /// other path is stray light.
     pub sequence: Vec<usize>,
@@ -66,7 +83,14 @@ impl Prescription {
         let resolved = self.resolved()?;
         let radii = self.semi_diameters(&resolved)?;
         let extents = Extents::new(&radii);
-        let mut builder = Builder { lens: self, resolved: &resolved, radii, extents, parts: Vec::new() };
+        let mut builder = Builder {
+            lens: self,
+            resolved: &resolved,
+            radii,
+            extents,
+            parts: Vec::new(),
+            lenses: Vec::new(),
+        };
         (0..self.surfaces.len()).try_for_each(|k| builder.open_gap(k))?;
         builder.extents = Extents::new(&builder.radii);
         let mut sequence = Vec::new();
@@ -82,8 +106,14 @@ impl Prescription {
         let assembly = Assembly::new().unit_nm(self.unit_nm);
         let assembly = builder.parts.iter().fold(assembly, |all, part| all.add(part.element.clone()));
         let image = builder.image()?;
-        let (assembly, semi_diameters) = (assembly.add(image), builder.radii);
-        Ok(PrescriptionLayout { assembly, stop, sequence, semi_diameters })
+        let Builder { radii, lenses, .. } = builder;
+        Ok(PrescriptionLayout {
+            assembly: assembly.add(image),
+            stop,
+            lenses,
+            sequence,
+            semi_diameters: radii,
+        })
     }
 
     /// The clear semi-diameters: the stated ones, otherwise the extent of the real rays of all fields and
@@ -147,6 +177,7 @@ struct Builder<'a> {
     radii: Vec<f64>,
     extents: Extents,
     parts: Vec<Part>,
+    lenses: Vec<LensOutline>,
 }
 
 /// A placed surface: number from 0, vertex, form, semi-diameter.
@@ -296,7 +327,15 @@ impl Builder<'_> {
             let flat = if low.reach > high.reach { "back" } else { "front" };
             element = element.face(&format!("{name}.flat.{flat}.plane"), Finish::Absorber);
         }
-        Ok(self.put(Part { k, low: low.vertex, high: high.vertex, element }))
+        let count = self.parts.len();
+        let number = self.put(Part { k, low: low.vertex, high: high.vertex, element });
+        if self.parts.len() > count {
+            let semi_diameter = low.reach.max(high.reach);
+            let ends = [&low, &high].map(|side| if has_flat { side.reach } else { semi_diameter });
+            let (surfaces, thickness) = ([low.k, high.k], high.vertex - low.vertex);
+            self.lenses.push(LensOutline { name, surfaces, ends, semi_diameter, thickness });
+        }
+        Ok(number)
     }
 
     fn mirror(&mut self, k: usize, surface: &Surface) -> Result<usize, PrescriptionError> {

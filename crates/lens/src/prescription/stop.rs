@@ -2,6 +2,7 @@
 
 use super::{Behind, Prescription, Resolved};
 use rayweave_math::{Affine, Vec3};
+use rayweave_optics::Medium;
 use rayweave_optics::component::{Aperture, Asphere, ComponentError, Sheet, SurfaceForm};
 
 /// The name of the stop element. There is none if the stop is the rim of the widest lens, or of a mirror.
@@ -11,6 +12,11 @@ pub const MOUNT: &str = "mount";
 
 /// Relative difference of semi-diameters that counts as rounding.
 const EQUAL: f64 = 1e-9;
+
+/// The gap between a face and the ring on it, relative to the semi-diameter of the face and to the length of the
+/// system: some 10^4 times the rounding errors of crossings, 64 u times the lengths, so that rays meet the two in a definite order.
+/// The height of a ray on the ring differs by less than the gap from that on the face, unless the ray is steep.
+const GAP: [f64; 2] = [1e-9, 1e-10];
 
 /// Steps along the radius in which surfaces are compared with the plane of the mount.
 const STEPS: u32 = 64;
@@ -79,8 +85,8 @@ impl Extents {
 /// The sheets of the stop.
 ///
 /// A stop between equal media is a plane at the vertex. A stop on a face of a lens is a ring on that face,
-/// from the clear semi-diameter to the end of the face; light is blocked at the sag of the surface, as a
-/// sequential trace that compares the height of a ray on the surface with the semi-diameter does. Around the
+/// from the clear semi-diameter to the end of the face, off it by a tiny gap; light is blocked at the sag of the surface, as
+/// by a sequential trace that compares the height of a ray on the surface with the semi-diameter. Around the
 /// lens, a plane mount blocks the light beside it; the mount is left out where it is not needed, because no other
 /// surface is wider, and where it could lie in the path of the light: in systems with mirrors or coordinate
 /// breaks, and where a neighbour extends through its plane.
@@ -101,11 +107,13 @@ pub(super) fn stop_sheets(lens: &Prescription, resolved: &Resolved, extents: &Ex
     let mut sheets = Vec::new();
     if is_wider(extents.face[k], opening) {
         let (form, outline) = (resolved.forms[k].clone(), extents.face[k]);
-        sheets.push(StopSheet { name: STOP, form, opening, outline, height: 0.0 });
+        let height = gap(resolved, k, outline);
+        sheets.push(StopSheet { name: STOP, form, opening, outline, height });
     }
     let reach = extents.part[k].max(opening);
     let widest = extents.clear[..count].iter().fold(0.0_f64, |widest, &reach| widest.max(reach));
-    if let Some(height) = rim(&resolved.forms[k], extents.face[k])
+    let is_lens_in_front = resolved.media[k] != Medium::vacuum();
+    if let Some(height) = rim(&resolved.forms[k], extents.face[k], is_lens_in_front)
         && is_wider(widest, reach)
         && is_free(lens, resolved, extents, [reach, height])
     {
@@ -113,6 +121,14 @@ pub(super) fn stop_sheets(lens: &Prescription, resolved: &Resolved, extents: &Ex
         sheets.push(StopSheet::plane(name, [reach, 2.0 * widest], height));
     }
     sheets
+}
+
+/// The distance along z of the ring from the face: into the air, or in front of the face if there is no air.
+fn gap(resolved: &Resolved, k: usize, reach: f64) -> f64 {
+    let span = resolved.vertices.iter().fold(0.0_f64, |span, z| span.max(z.abs()));
+    let is_behind = resolved.media[k + 1] == Medium::vacuum();
+    let size = GAP[0] * reach + GAP[1] * span;
+    if is_behind == resolved.forward[k] { size } else { -size }
 }
 
 /// The semi-diameter of the opening of a stop on a face. In systems with mirrors, light may pass the same face
@@ -129,12 +145,12 @@ fn opening(lens: &Prescription, resolved: &Resolved, extents: &Extents) -> f64 {
     passes.fold(0.0, |widest, j| extents.clear[j].max(widest))
 }
 
-/// The mean height of a surface on a circle about the axis; `None` beyond its end.
-fn rim(form: &SurfaceForm, reach: f64) -> Option<f64> {
-    let heights: Option<Vec<f64>> =
-        form.directions().map(|[x, y]| form.sag([reach * x, reach * y])).collect();
-    let heights = heights?;
-    Some(heights.iter().sum::<f64>() / heights.len() as f64)
+/// The height of the mount above the vertex of the stop's surface: at its rim or, if that is not plane, where the plane cuts the edge
+/// of the lens everywhere, so that no light passes between the two. `None` beyond the end of the surface.
+fn rim(form: &SurfaceForm, reach: f64, is_lens_in_front: bool) -> Option<f64> {
+    let heights = form.directions().map(|[x, y]| form.sag([reach * x, reach * y]));
+    let heights = heights.collect::<Option<Vec<f64>>>()?;
+    heights.into_iter().reduce(if is_lens_in_front { f64::min } else { f64::max })
 }
 
 /// True if no light of the prescription crosses the plane at a height above the stop's vertex outside `reach`:

@@ -91,9 +91,9 @@ fn stops_on_cemented_faces_block_light() {
     assert_eq!(at_image(&layout, &beam).iter().map(|row| row.id).collect::<Vec<_>>(), expected);
     // the light ends at the stop, after the first face only
     let found = trace(&layout, &beam);
-    let stopped = found.segments.iter().filter(|row| row.event == Event::Absorbed);
-    assert!(stopped.clone().all(|row| row.element == 2 && row.generation == 1));
-    assert_eq!(stopped.count(), beam.len() - expected.len());
+    let stopped: Vec<_> = found.segments.iter().filter(|row| row.event == Event::Absorbed).collect();
+    assert!(stopped.iter().all(|row| row.element == 2 && row.generation == 1));
+    assert_eq!(stopped.len(), beam.len() - expected.len());
 }
 
 #[test]
