@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._core import Glass, Sheet, Solid
+from rayweave._drawing import Drawing
 from rayweave._table import table_of
 from rayweave._words import no_attribute, suggesting
 from rayweave.optics._diffraction import TransferFunction, cells_for, pupil_cells, slopes_of_pupil, steepest_step
@@ -968,7 +969,8 @@ class Prescription:
         """The modulation transfer function of every field with diffraction, by frequency in cycles per unit of length:
         `tangential` for lines across the direction of the field, `sagittal` for those along it, `limit` that of a lens
         without aberrations for the same light, as in `geometric_mtf`; at one wavelength or, by default, at all of them with
-        their weights.
+        their weights. The frequencies end at the cutoff of the limit by default, several times what most sensors
+        resolve: pass, for example, `np.linspace(0, 100, 51)`.
 
         The optical transfer function is the autocorrelation of the pupil function, and the Fourier transform of the
         square of the modulus of its transform (J. W. Goodman, Introduction to Fourier Optics, section 6.3). The pupil
@@ -1151,6 +1153,25 @@ class Prescription:
         ax.set_ylabel(f"y, {self.unit}")
         ax.set_title(self.name)
         return Plot(ax)
+
+    def drawing(self, lens: int | Element = 1, *, title: str = "") -> Drawing:
+        """The drawing of one lens, counted from 1 in the order of the light, or given as one of `elements`, in the tabular form
+        of ISO 10110-1: a section with diameter and centre thickness, and radii, clear diameters and glass. Fields for
+        indications that a prescription does not have, such as the tolerance of the surface form, are empty.
+
+        >>> import rayweave.optics as ro
+        >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+        >>> drawing = ro.Prescription(surfaces, entrance_pupil_diameter=10).drawing(1)
+        >>> "R 50 CX" in drawing.svg
+        True
+        """
+        number = lens
+        if isinstance(lens, Element):
+            lenses = [name for name, *_ in self._compiled.parts() if name.startswith("lens ")]
+            if lens.name not in lenses:
+                raise _core.RayweaveError(f"{lens.name!r} is no lens of the prescription: the lenses are {', '.join(lenses)}.")
+            number = lenses.index(lens.name) + 1
+        return Drawing(self._compiled.drawing(whole(number, "lens", least=1), text(title, "title")))
 
     def _has_stop_in_air(self) -> bool:
         """True if the medium is the same on both sides of the stop."""
