@@ -49,8 +49,8 @@ const MARGIN: f64 = 28.0;
 const AREA: [f64; 4] = [110.0, 40.0, 1060.0, 420.0];
 /// The upper edge of the table, and the height of its rows.
 const TABLE: [f64; 2] = [492.0, 22.0];
-/// The length to which lengths are rounded, in metres.
-const ROUNDING: f64 = 1e-6;
+/// The length to which lengths are rounded, in metres; a little more than a power of ten, which rounding could make less.
+const ROUNDING: f64 = 1.0001e-6;
 /// Points of each side of the section.
 const POINTS: u32 = 64;
 

@@ -143,9 +143,10 @@ impl Sheet<'_> {
         groups(circles.collect(), size, self.resolution())
     }
 
-    /// The resolution of the dimensions: a thousandth of a millimetre, and finer in tiny models.
+    /// The resolution of the dimensions: a thousandth of a millimetre, and finer in tiny models. The factor keeps rounding from adding a
+    /// digit.
     fn resolution(&self) -> f64 {
-        (1e-6 / self.unit.metres()).min(1e-3 * self.bounds.size().max_element())
+        (1.0001e-6 / self.unit.metres()).min(1e-3 * self.bounds.size().max_element())
     }
 
     /// The widths of both columns and the heights of both rows in units of the model.
