@@ -1,7 +1,6 @@
 //! Drawings of single lens elements in the tabular form of ISO 10110-1: a section along the axis with diameter and centre
 //! thickness, and the indications of both surfaces and of the material.
 
-use crate::axis::format_number;
 use crate::dimension;
 use crate::svg::{Anchor, Svg};
 use crate::technical::Scale;
@@ -49,8 +48,8 @@ const MARGIN: f64 = 28.0;
 const AREA: [f64; 4] = [110.0, 40.0, 1060.0, 420.0];
 /// The upper edge of the table, and the height of its rows.
 const TABLE: [f64; 2] = [492.0, 22.0];
-/// The length to which lengths are rounded, in metres; a little more than a power of ten, which rounding could make less.
-const ROUNDING: f64 = 1.0001e-6;
+/// The error of rounded lengths, in metres: `dimension::value` rounds to a micrometre.
+const ROUNDING: f64 = 0.9e-6;
 /// Points of each side of the section.
 const POINTS: u32 = 64;
 
@@ -116,7 +115,7 @@ fn scale(element: &LensElement) -> Option<Scale> {
 }
 
 fn length(element: &LensElement, length: f64) -> String {
-    format_number(length, ROUNDING / element.unit.metres())
+    dimension::value(length, ROUNDING / element.unit.metres())
 }
 
 /// The section along the axis with its dimensions.

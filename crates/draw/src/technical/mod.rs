@@ -143,10 +143,9 @@ impl Sheet<'_> {
         groups(circles.collect(), size, self.resolution())
     }
 
-    /// The resolution of the dimensions: a thousandth of a millimetre, and finer in tiny models. The factor keeps rounding from adding a
-    /// digit.
+    /// The resolution of the dimensions: a thousandth of a millimetre, and finer in tiny models.
     fn resolution(&self) -> f64 {
-        (1.0001e-6 / self.unit.metres()).min(1e-3 * self.bounds.size().max_element())
+        (1e-6 / self.unit.metres()).min(1e-3 * self.bounds.size().max_element())
     }
 
     /// The widths of both columns and the heights of both rows in units of the model.

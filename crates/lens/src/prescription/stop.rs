@@ -59,9 +59,9 @@ impl StopSheet {
 pub(super) struct Extents {
     /// The clear semi-diameters; the last is that of the image.
     pub clear: Vec<f64>,
-    /// How far the surface extends as a face of a lens.
+    /// The extent of the surface as a face of a lens.
     pub face: Vec<f64>,
-    /// How far the lenses at the surface extend, with their flat rims.
+    /// The extent of the lenses at the surface, with their flat rims.
     pub part: Vec<f64>,
 }
 
