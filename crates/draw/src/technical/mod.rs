@@ -236,7 +236,6 @@ impl Drawing<'_> {
         }
         panel.lines(&mut self.svg, evaluator, self.sheet.faces, groups);
         label::draw(&mut self.svg, panel, groups, right + GAP);
-        let size = self.sheet.bounds.size();
         let resolution = self.sheet.resolution();
         let value = |length: f64| crate::axis::format_number(length, resolution);
         let [width, height] = [0, 1].map(|k| value(panel.window[1][k] - panel.window[0][k]));
