@@ -29,6 +29,16 @@ pub fn gathered<'py>(subject: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>>
     if is_several || subject.is_instance(REGION.import(py, "rayweave._model", "Region")?)? {
         return py.get_type::<PyModel>().call1((subject,));
     }
+    static ELEMENT: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    if subject.is_instance(ELEMENT.import(py, "rayweave.optics._elements", "Element")?)? {
+        let body = subject.getattr("body")?;
+        if body.is_instance_of::<PySolid>() {
+            return Ok(body);
+        }
+        return Err(bad_type(
+            "subject is an element without a solid: it is a sheet. Pass a lens, a mirror or a prism.",
+        ));
+    }
     let given = shown(subject);
     Err(bad_type(format!(
         "subject is {given}: it must be a Solid, a Model, or a list or dict of solids or regions."

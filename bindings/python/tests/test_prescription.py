@@ -950,3 +950,25 @@ def test_drawings_name_fields_by_their_place() -> None:
     assert lens.fans(count=5).show()[1][0].get_title() == "14 deg, along y"
     with pytest.raises(AttributeError, match="write_zmx"):
         lens.save  # noqa: B018
+
+
+def test_plots_and_tables(tmp_path: Any) -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    plt = pytest.importorskip("matplotlib.pyplot")
+    lens = design("cooke-triplet")
+    spots, seidel = lens.spots(), lens.seidel()
+    plots = [lens.show(), spots.show(), lens.fans(count=5).show(), seidel.show(), lens.distortion(count=3).show()]
+    for number, plot in enumerate(plots):
+        plot.save(tmp_path / f"{number}.png")
+        assert (tmp_path / f"{number}.png").stat().st_size > 0 and plot.figure is plot.axes.flat[0].figure
+    assert [len(plot) for plot in plots] == [1, 3, 3, 1, 1]
+    with pytest.raises(AttributeError, match=r"select one of them, as in plot\[0\].get_title"):
+        plots[1].get_title()
+    # a plot takes another one as its axes
+    assert seidel.show(ax=plots[3])[0] is plots[3][0]
+    plt.close("all")
+    rows = [line.split() for line in str(seidel).splitlines()]
+    assert [row[0] for row in rows] == ["surface", "1", "2", "3", "4", "5", "6", "sum"]
+    assert float(rows[-1][1]) == pytest.approx(seidel.sum["spherical"], rel=1e-5)
+    assert "rms [mm]" in str(spots) and len(str(spots).splitlines()) == 4

@@ -1,9 +1,9 @@
 //! The layout of a lens file: a few rays of each field, evenly spaced in the pupil, up to the image.
 
 use rayweave::lens::analysis::{Study, fan_x, fan_y, needs_aiming};
-use rayweave::lens::prescription::{Prescription, PrescriptionError, PrescriptionLayout};
+use rayweave::lens::prescription::{MOUNT, Prescription, PrescriptionError, PrescriptionLayout};
 use rayweave::optics::source::{ListedRays, Pattern, Source, Sources};
-use rayweave::optics::{Light, System, Tracer};
+use rayweave::optics::{Assembly, Light, System, Tracer};
 use rayweave::{Packets, Vec3};
 
 type Problem = Box<dyn std::error::Error>;
@@ -49,8 +49,14 @@ impl LensDrawing {
         };
         let mut drawn = lens.clone();
         drawn.image.semi_diameter = Some(image_semi_diameter(lens, &points)?);
-        let PrescriptionLayout { assembly, sequence, semi_diameters } = drawn.assembly()?;
-        let system = assembly.compile()?;
+        let PrescriptionLayout { assembly, mut sequence, semi_diameters, .. } = drawn.assembly()?;
+        // the drawing has the edges of the stop in place of the plate around a lens, which is wider than all lenses
+        let parts = assembly.elements().iter().filter(|element| element.name() != MOUNT);
+        let system =
+            parts.fold(Assembly::new().unit_nm(lens.unit_nm), |all, part| all.add(part.clone())).compile()?;
+        if let Some(image) = sequence.last_mut() {
+            *image = system.element_names().len() - 1;
+        }
         let front = front(lens, &system);
         let light = (0..lens.fields.len()).map(|field| source(lens, field, &lines, &points, front));
         let light = Sources::new(light.collect::<Result<_, _>>()?);

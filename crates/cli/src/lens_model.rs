@@ -1,9 +1,9 @@
 //! Lens files as model files: the solids of a prescription, with its stop, its image and the light of its fields as `[optics]` tables.
 
 use crate::lens_file;
-use rayweave::lens::prescription::{IMAGE, Prescription, STOP};
+use rayweave::lens::prescription::{IMAGE, Prescription, PrescriptionLayout};
 use rayweave::math::Affine;
-use rayweave::optics::component::Sheet;
+use rayweave::optics::component::{Asphere, Sheet, SurfaceForm};
 use rayweave::optics::{Body, Finish, Material, Medium};
 use rayweave::scene::{self, Colour, Scene, SceneRegion, Unit};
 use rayweave::{Error, Vec3};
@@ -48,7 +48,7 @@ impl LensModel {
                     regions.push(SceneRegion { name: name.to_owned(), solid, medium: number as u32, colour });
                 }
                 Body::Sheet { sheet, .. } => {
-                    sheets += &sheet_text(element.name(), sheet, lens, &layout.semi_diameters)
+                    sheets += &sheet_text(element.name(), sheet, (lens, &layout), &mut losses)
                 }
             }
         }
@@ -98,22 +98,36 @@ fn matrix(frame: &Affine) -> String {
     format!("[{{ matrix = [{}, {}, {}, [0, 0, 0, 1]] }}]", row(0), row(1), row(2))
 }
 
-fn sheet_text(name: &str, sheet: &Sheet, lens: &Prescription, radii: &[f64]) -> String {
-    let widest = radii.iter().copied().fold(0.0, f64::max);
+fn sheet_text(
+    name: &str,
+    sheet: &Sheet,
+    (lens, layout): (&Prescription, &PrescriptionLayout),
+    losses: &mut Vec<String>,
+) -> String {
     let mut text = format!("\n[[optics.sheet]]\nname = {name:?}\n");
-    if name == STOP {
-        let opening = radii[lens.stop - 1];
+    if let Some(stop) = layout.stop.iter().find(|stop| stop.name == name) {
         line(
             &mut text,
             format_args!(
                 "circle = {:?}\nopening = {{ circle = {:?} }}\naction = \"absorb\"",
-                4.0 * widest,
-                2.0 * opening
+                2.0 * stop.outline,
+                2.0 * stop.opening
             ),
         );
+        let Asphere { radius, conic, .. } = stop.form.asphere;
+        if stop.form != SurfaceForm::from(Asphere::conic(radius, conic)) {
+            losses.push(format!(
+                "the {name} is left out: it lies on surface {}, and files have sheets on planes and conics only.",
+                lens.stop
+            ));
+            return String::new();
+        }
+        if radius.is_finite() {
+            line(&mut text, format_args!("radius = {radius:?}\nconic = {conic:?}"));
+        }
     }
     if name == IMAGE {
-        let radius = radii.last().copied().unwrap_or(widest);
+        let radius = layout.semi_diameters.last().copied().unwrap_or_default();
         line(&mut text, format_args!("circle = {:?}\naction = \"record\"", 2.0 * radius));
         if lens.image.radius.is_finite() {
             line(&mut text, format_args!("radius = {:?}\nconic = {:?}", lens.image.radius, lens.image.conic));

@@ -99,7 +99,10 @@ const NO_MODELS: [(&[&str], &str); 5] = [
         &["step", "stp", "iges", "igs", "brep", "fcstd", "sldprt", "f3d", "blend", "fbx", "dae"],
         "export a mesh, such as .stl or .3mf, in the program that wrote it",
     ),
-    (&["zmx"], "`rayweave optics` and `rayweave.optics.Prescription` read Zemax lens files"),
+    (
+        &["zmx"],
+        "`rayweave optics` and `rayweave.optics.Prescription` read Zemax lens files; `rayweave convert LENS.zmx LENS.toml` makes a model of one",
+    ),
     (&["csv", "npy", "npz", "parquet", "json", "root"], ""),
 ];
 

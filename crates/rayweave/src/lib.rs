@@ -194,6 +194,8 @@
 //! classifies them.
 
 mod error;
+#[cfg(all(feature = "draw", feature = "lens"))]
+mod lens_drawing;
 #[cfg(feature = "formats")]
 mod load;
 
@@ -314,6 +316,8 @@ pub use rayweave_table as table;
 #[doc(inline)]
 pub use rayweave_trace as trace;
 
+#[cfg(all(feature = "draw", feature = "lens"))]
+pub use lens_drawing::lens_drawing;
 #[cfg(feature = "formats")]
 pub use load::load;
 

@@ -790,6 +790,9 @@ class CompiledPrescription:
     def parts(self) -> list[tuple[str, Any, Any, Any, Any]]:
         """The solids, stop and image of the prescription."""
 
+    def drawing(self, number: int, title: str) -> str:
+        """The drawing of a lens, counted from 1, as SVG."""
+
     def semi_diameters(self) -> NDArray[np.float64]:
         """The clear semi-diameters of the surfaces and of the image."""
 

@@ -7,11 +7,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from math import isfinite
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rayweave import _core
 from rayweave._core import Model, Solid
 from rayweave._words import suggest_for, suggesting
+
+if TYPE_CHECKING:
+    from rayweave.optics._elements import Element
 
 
 @dataclass(frozen=True)
@@ -66,8 +69,9 @@ Regions: TypeAlias = Solid | Region | Sequence[Solid | Region] | Mapping[str, So
 """Regions of a model. The keys of a mapping are their names; solids without a name are numbered."""
 Media: TypeAlias = Sequence[Medium] | Mapping[str, float | Medium | Mapping[str, Any]]
 """Media of a model. The values of a mapping are indices, numbers with their names, or media."""
-Subject: TypeAlias = Solid | Model | Region | Sequence[Solid | Region] | Mapping[str, Solid | Region]
-"""What pictures, sections and measurements take: a solid, a model, or several solids or regions."""
+Subject: TypeAlias = "Solid | Model | Region | Element | Sequence[Solid | Region] | Mapping[str, Solid | Region]"
+"""What pictures, sections and measurements take: a solid, a model, an element of an optical system, or several solids or
+regions."""
 
 _RegionRow: TypeAlias = tuple[str, Solid, int, str]
 _MediumRow: TypeAlias = tuple[str, float | None, str, list[tuple[str, float]]]

@@ -25,7 +25,8 @@ use std::path::{Path, PathBuf};
 /// Trace light through a model and report where its power ends
 ///
 /// The model may be a sequential Zemax lens file (.zmx). Its lenses and mirrors become solids, its image a sheet, and its stop
-/// a sheet unless it lies on a lens or mirror, whose rim is then the stop. Each field emits 880 rays of each wavelength on 20
+/// a sheet: a plane between lenses, or a ring on the face of a lens with a plane mount around that lens; the rim of a mirror, or of
+/// the widest lens, needs none. Each field emits 880 rays of each wavelength on 20
 /// rings through the entrance pupil, with a total power of 1, as weights of Gaussian quadrature over the area of the pupil:
 /// RMS radii are exact to many digits for a clear pupil, and to about 1 % where half of the pupil is vignetted. Ghost
 /// reflections are followed down to a millionth of a ray. The image does not absorb: light that passes through it escapes.
@@ -83,6 +84,14 @@ pub struct Optics {
     /// Meaning of the colours of the rays [default: the source of a lens file, which is its field, else the wavelength]
     #[arg(long, value_name = "WHAT", requires = "layout")]
     colour: Option<Colours>,
+
+    /// Drawing of one lens of a lens file, .svg, .pdf, .png or .jpg: a section with diameter and centre thickness, and the radii, clear diameters and glass in the tabular form of ISO 10110-1
+    #[arg(long, value_name = "DRAWING")]
+    drawing: Option<PathBuf>,
+
+    /// The lens of --drawing, counted from 1 in the order of the light
+    #[arg(long, value_name = "N", requires = "drawing", default_value_t = 1)]
+    element: usize,
 
     /// Spot diagram, .svg, .pdf, .png or .jpg: the points where light crosses a sheet; for a lens file, one diagram per field
     #[arg(long, value_name = "DRAWING")]
@@ -163,7 +172,7 @@ impl From<Colours> for RayColour {
 impl Optics {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let is_piped = self.is_piped()?;
-        let drawings = [&self.layout, &self.spot, &self.map];
+        let drawings = [&self.layout, &self.drawing, &self.spot, &self.map];
         drawings.into_iter().flatten().try_for_each(|path| drawing::check(path))?;
         let Bench { optics, unit, image, sequence, fields, lens } = self.bench()?;
         let lens = lens.as_deref();
@@ -192,6 +201,7 @@ impl Optics {
                 paths.add(segments);
             }
         };
+        self.draw_element(lens)?;
         let summary = self.trace(global, (&optics, part.as_ref()), &system, unit, add)?;
         match lens {
             Some(lens) => self.draw_lens(&optics, lens, unit)?,
@@ -227,7 +237,7 @@ impl Optics {
 
     /// The files that are written.
     fn outputs(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.out, &self.layout, &self.spot, &self.map, &self.paths].into_iter().flatten()
+        [&self.out, &self.layout, &self.drawing, &self.spot, &self.map, &self.paths].into_iter().flatten()
     }
 
     /// Whether standard output carries a file instead of the summary; at most one file can.
@@ -280,6 +290,19 @@ impl Optics {
             ("phases", self.phases.to_string()),
         ];
         Ok(self.part.part("optics segments", settings, optics.sources.count()))
+    }
+
+    /// Draws one lens of a lens file.
+    fn draw_element(&self, lens: Option<&Prescription>) -> Result<(), Failure> {
+        let Some(path) = &self.drawing else { return Ok(()) };
+        let Some(lens) = lens else {
+            let text = "--drawing needs a lens file: a model has no radii and glasses of lenses. `rayweave render --view sheet --dimensions` draws any model.";
+            return Err(Failure::Usage(text.to_owned()));
+        };
+        let title = self.model.name();
+        let svg = rayweave::lens_drawing(lens, self.element, "")
+            .map_err(|error| lens_file::wrong(&self.model, &error))?;
+        drawing::save(path, &svg, &title)
     }
 
     /// Draws the layout of a model.

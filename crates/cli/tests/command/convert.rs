@@ -116,6 +116,10 @@ fn lens_files_become_models_with_their_light() {
     assert_eq!(compared, 3);
     let text = bench.read("lens.toml");
     assert!(text.contains("name = \"image\"") && text.contains("\"N-SK16\""), "{text}");
+    // the stop is a ring on the back of the second lens, and a plane around that lens
+    let stop = text.split("[[optics.sheet]]").find(|sheet| sheet.contains("name = \"stop\"")).unwrap();
+    assert!(stop.contains("opening = ") && stop.contains("radius = 20.29192"), "{stop}");
+    assert!(text.contains("name = \"mount\""), "{text}");
     // other formats have the solids only
     let done = bench.run(&["convert", "lens.zmx", "lens.stl"]);
     assert!(

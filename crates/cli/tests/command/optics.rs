@@ -549,3 +549,15 @@ fn vignetted_rays_are_not_in_the_spots() {
         "{said}"
     );
 }
+
+/// The drawing of a lens has its radii and its glass; a number without a lens is an error.
+#[test]
+fn drawings_of_single_lenses() {
+    let bench = Bench::new();
+    bench.write("lens.zmx", std::fs::read_to_string("../../models/optics/cooke-triplet.zmx").unwrap());
+    bench.says(&["optics", "lens.zmx", "-q", "--drawing", "lens.svg", "--element", "2"]);
+    let svg = bench.read("lens.svg");
+    assert!(svg.contains("R 22.213 CC") && svg.contains(">F2<") && svg.contains("R 20.292 CC"), "{svg}");
+    let failed = bench.fails(3, &["optics", "lens.zmx", "-q", "--drawing", "lens.svg", "--element", "9"]);
+    assert!(failed.contains("there is no lens 9: the lenses have the numbers 1 to 3."), "{failed}");
+}

@@ -49,8 +49,9 @@ impl Circle {
     }
 }
 
-/// Groups circles of the same size, kind and depth, the largest first. `size` is that of the model.
-pub fn groups(circles: Vec<Circle>, size: f64) -> Vec<Group> {
+/// Groups circles of the same size, kind and depth, the largest first. `size` is that of the model; the texts have lengths to
+/// `resolution`.
+pub fn groups(circles: Vec<Circle>, size: f64, resolution: f64) -> Vec<Group> {
     let tolerance = 1e-7 * size;
     let distance = |a: Point, b: Point| libm::hypot(a[0] - b[0], a[1] - b[1]);
     let mut groups: Vec<Vec<Circle>> = Vec::new();
@@ -66,7 +67,7 @@ pub fn groups(circles: Vec<Circle>, size: f64) -> Vec<Group> {
     let group = |circles: Vec<Circle>| {
         let is_at = |p: Point| centres.iter().any(|centre| distance(*centre, p) < tolerance);
         let ring = ring(&circles, tolerance).filter(|(centre, _)| circles.len() != 4 || is_at(*centre));
-        let text = text(&circles, ring, 1e-5 * size);
+        let text = text(&circles, ring, resolution);
         Group { circles, text, ring }
     };
     groups.into_iter().map(group).collect()
@@ -121,7 +122,7 @@ mod tests {
     }
 
     fn texts(circles: &[Circle]) -> Vec<String> {
-        groups(circles.to_vec(), 100.0).into_iter().map(|group| group.text).collect()
+        groups(circles.to_vec(), 100.0, 1e-3).into_iter().map(|group| group.text).collect()
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod panel;
 mod scale;
 
 pub use scale::ProjectionMethod;
+pub(crate) use scale::Scale;
 
 use crate::edges::{EdgeView, visible_edges};
 use crate::svg::{Anchor, Svg};
@@ -23,7 +24,7 @@ use rayweave_math::{Bounds, Vec3};
 use rayweave_model::Evaluator;
 use rayweave_render::{RenderError, Run, Size, View};
 use rayweave_scene::Unit;
-use scale::{Scale, symbol};
+use scale::symbol;
 
 /// The options of a technical drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -139,7 +140,12 @@ impl Sheet<'_> {
         let towards = plane.normal();
         let is_circle = |face: &&CylindricalFace| face.axis().dot(towards).abs() > 1.0 - 1e-9;
         let circles = self.faces.iter().filter(is_circle).map(|face| Circle::new(face, &plane));
-        groups(circles.collect(), size)
+        groups(circles.collect(), size, self.resolution())
+    }
+
+    /// The resolution of the dimensions: a thousandth of a millimetre, and finer in tiny models.
+    fn resolution(&self) -> f64 {
+        (1e-6 / self.unit.metres()).min(1e-3 * self.bounds.size().max_element())
     }
 
     /// The widths of both columns and the heights of both rows in units of the model.
@@ -230,8 +236,7 @@ impl Drawing<'_> {
         }
         panel.lines(&mut self.svg, evaluator, self.sheet.faces, groups);
         label::draw(&mut self.svg, panel, groups, right + GAP);
-        let size = self.sheet.bounds.size();
-        let resolution = 1e-5 * size.max_element();
+        let resolution = self.sheet.resolution();
         let value = |length: f64| crate::axis::format_number(length, resolution);
         let [width, height] = [0, 1].map(|k| value(panel.window[1][k] - panel.window[0][k]));
         // each size once: width and height in front, the depth in the view from above

@@ -40,12 +40,14 @@ mod launch;
 mod pose;
 mod resolved;
 mod solids;
+mod stop;
 mod zmx;
 
 pub use coordinate_break::CoordinateBreak;
 pub use error::PrescriptionError;
 pub use follow::SurfaceIntersection;
-pub use solids::{IMAGE, PrescriptionLayout, STOP};
+pub use solids::{IMAGE, LensOutline, PrescriptionLayout};
+pub use stop::{MOUNT, STOP, StopSheet};
 pub use zmx::{Read, ZmxError, read_zmx, write_zmx};
 
 pub(crate) use pose::Pose;

@@ -2,6 +2,7 @@
 //! image as sheets.
 
 use super::error::{bad, positive};
+use super::stop::{Extents, StopSheet, stop_sheets};
 use super::{Behind, Prescription, PrescriptionError, Resolved, Surface};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
@@ -13,8 +14,6 @@ use rayweave_optics::{Action, Assembly, Element, Finish, Medium};
 
 /// The name of the image element.
 pub const IMAGE: &str = "image";
-/// The name of the stop element, if the stop is not the rim of a lens or mirror.
-pub const STOP: &str = "stop";
 
 /// Ratio of computed semi-diameters to the extent of the rays.
 const SPARE: f64 = 1.02;
@@ -22,12 +21,32 @@ const SPARE: f64 = 1.02;
 /// The least thickness of a mirror substrate behind its rim, in units of its diameter.
 const SUBSTRATE: f64 = 0.1;
 
+/// The outline of a lens among the solids.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LensOutline {
+    /// The name of its element.
+    pub name: String,
+    /// Its surfaces in the order of z, counted from 0; the medium is that behind the first one in the order of light.
+    pub surfaces: [usize; 2],
+    /// The semi-diameters at which the surfaces end; beyond them the lens has a flat rim.
+    pub ends: [f64; 2],
+    /// The semi-diameter of the lens.
+    pub semi_diameter: f64,
+    /// The distance of the vertices.
+    pub thickness: f64,
+}
+
 /// A prescription converted to parts of a system.
 #[derive(Clone, Debug)]
 pub struct PrescriptionLayout {
-    /// The parts: lenses, named after their surfaces (`lens 1-2`), and mirrors (`mirror 3`); then [`STOP`],
-    /// unless the rim of one of them is the stop, and [`IMAGE`], which transmits the light. Rims absorb.
+    /// The parts: lenses, named after their surfaces (`lens 1-2`), and mirrors (`mirror 3`); then the
+    /// [sheets of the stop](Self::stop), and [`IMAGE`], which transmits the light. Rims absorb.
     pub assembly: Assembly,
+    /// The sheets of the stop, [`STOP`](super::STOP) and [`MOUNT`](super::MOUNT): none if the stop is the rim of a
+    /// mirror, or of a lens that is as wide as any other. A stop on a wider face of a lens is a ring on that face.
+    pub stop: Vec<StopSheet>,
+    /// The lenses, in the order of `assembly`.
+    pub lenses: Vec<LensOutline>,
     /// The numbers of the elements in the order in which light reaches them in the prescription; light on any
     /// other path is stray light.
     pub sequence: Vec<usize>,
@@ -63,20 +82,38 @@ impl Prescription {
     fn solids(&self) -> Result<PrescriptionLayout, PrescriptionError> {
         let resolved = self.resolved()?;
         let radii = self.semi_diameters(&resolved)?;
-        let mut builder = Builder { lens: self, resolved: &resolved, radii, parts: Vec::new() };
+        let extents = Extents::new(&radii);
+        let mut builder = Builder {
+            lens: self,
+            resolved: &resolved,
+            radii,
+            extents,
+            parts: Vec::new(),
+            lenses: Vec::new(),
+        };
         (0..self.surfaces.len()).try_for_each(|k| builder.open_gap(k))?;
+        builder.extents = Extents::new(&builder.radii);
         let mut sequence = Vec::new();
         for k in 0..self.surfaces.len() {
             sequence.extend(builder.surface(k)?);
         }
-        if let Some(stop) = builder.stop()? {
-            builder.parts.push(Part { k: self.stop - 1, low: 0.0, high: 0.0, element: stop });
+        let stop = stop_sheets(self, &resolved, &builder.extents);
+        for sheet in &stop {
+            let element = builder.stop_element(sheet)?;
+            builder.parts.push(Part { k: self.stop - 1, low: 0.0, high: 0.0, element });
         }
         sequence.push(builder.parts.len());
         let assembly = Assembly::new().unit_nm(self.unit_nm);
         let assembly = builder.parts.iter().fold(assembly, |all, part| all.add(part.element.clone()));
         let image = builder.image()?;
-        Ok(PrescriptionLayout { assembly: assembly.add(image), sequence, semi_diameters: builder.radii })
+        let Builder { radii, lenses, .. } = builder;
+        Ok(PrescriptionLayout {
+            assembly: assembly.add(image),
+            stop,
+            lenses,
+            sequence,
+            semi_diameters: radii,
+        })
     }
 
     /// The clear semi-diameters: the stated ones, otherwise the extent of the real rays of all fields and
@@ -138,7 +175,9 @@ struct Builder<'a> {
     lens: &'a Prescription,
     resolved: &'a Resolved,
     radii: Vec<f64>,
+    extents: Extents,
     parts: Vec<Part>,
+    lenses: Vec<LensOutline>,
 }
 
 /// A placed surface: number from 0, vertex, form, semi-diameter.
@@ -281,13 +320,22 @@ impl Builder<'_> {
         let name = format!("lens {}-{}", k + 1, k + 2);
         let wrong = |problem| prescription_error(problem, k);
         let (solid, has_flat) = body(&low, &high).map_err(wrong)?;
+        self.extents.add_lens(k, has_flat);
         let mut element = Element::transparent(&name, self.at_pose(k, solid), &self.resolved.media[k + 1])
             .face("edge", Finish::Absorber);
         if has_flat {
             let flat = if low.reach > high.reach { "back" } else { "front" };
             element = element.face(&format!("{name}.flat.{flat}.plane"), Finish::Absorber);
         }
-        Ok(self.put(Part { k, low: low.vertex, high: high.vertex, element }))
+        let count = self.parts.len();
+        let number = self.put(Part { k, low: low.vertex, high: high.vertex, element });
+        if self.parts.len() > count {
+            let semi_diameter = low.reach.max(high.reach);
+            let ends = [&low, &high].map(|side| if has_flat { side.reach } else { semi_diameter });
+            let (surfaces, thickness) = ([low.k, high.k], high.vertex - low.vertex);
+            self.lenses.push(LensOutline { name, surfaces, ends, semi_diameter, thickness });
+        }
+        Ok(number)
     }
 
     fn mirror(&mut self, k: usize, surface: &Surface) -> Result<usize, PrescriptionError> {
@@ -336,21 +384,12 @@ impl Builder<'_> {
         self.resolved.poses.get(placed.k).map_or(on_axis, |pose| on_axis.then(&pose.to_world()))
     }
 
-    /// The sheet of the stop, unless the rim of a lens or mirror is the stop.
-    fn stop(&self) -> Result<Option<Element>, PrescriptionError> {
+    /// A sheet of the stop, which absorbs the light.
+    fn stop_element(&self, sheet: &StopSheet) -> Result<Element, PrescriptionError> {
         let k = self.lens.stop - 1;
-        let placed = self.placed(k);
-        let is_dummy = self.resolved.media[k] == self.resolved.media[k + 1]
-            && self.lens.surfaces[k].behind != Behind::Mirror;
-        if !is_dummy {
-            return Ok(None);
-        }
-        let widest = self.radii.iter().fold(0.0_f64, |widest, &radius| widest.max(radius));
-        let outline = 2.0 * widest.max(placed.reach);
-        let wrong = |problem| prescription_error(problem, k);
-        let sheet = Sheet::iris(2.0 * outline, 2.0 * placed.reach).map_err(wrong)?;
-        let sheet = sheet.apply(&self.place(&placed)).map_err(wrong)?;
-        Ok(Some(Element::sheet(STOP, sheet, Action::Absorb)))
+        let made = sheet.sheet(&self.place(&self.placed(k)));
+        let made = made.map_err(|problem| prescription_error(problem, k))?;
+        Ok(Element::sheet(sheet.name, made, Action::Absorb))
     }
 
     fn image(&self) -> Result<Element, PrescriptionError> {

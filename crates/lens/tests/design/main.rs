@@ -11,6 +11,7 @@ mod lenses;
 mod optimum;
 mod paraxial;
 mod prescription;
+mod stops;
 mod terms;
 mod tolerances;
 mod zmx;

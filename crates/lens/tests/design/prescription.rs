@@ -104,8 +104,9 @@ fn double_passes_use_one_lens() {
     .entrance_pupil_diameter(40.0);
     let layout = lens.assembly().unwrap();
     let names = layout.assembly.compile().unwrap().element_names().to_vec();
-    assert_eq!(names, ["lens 1-2", "mirror 2", "image"]);
-    assert_eq!(layout.sequence, [0, 1, 0, 2]);
+    // the stop is the first face of a lens that is as wide as its mirror
+    assert_eq!(names, ["lens 1-2", "mirror 2", "stop", "image"]);
+    assert_eq!(layout.sequence, [0, 1, 0, 3]);
     let pupil: Vec<_> = disk(300, 0.99);
     let beam = lens.beam(0, D_NM, &pupil).unwrap();
     for (k, row) in at_image(&layout, &beam).iter().enumerate() {

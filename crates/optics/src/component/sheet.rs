@@ -4,7 +4,8 @@
 use super::aperture::solid;
 use super::error::consistent;
 use super::face::{Face, Profile};
-use super::{Aperture, ComponentError};
+use super::form_side::form_side;
+use super::{Aperture, ComponentError, SurfaceForm};
 use rayweave_error::Message;
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
@@ -63,14 +64,44 @@ impl Sheet {
     /// # Ok::<(), rayweave_optics::component::ComponentError>(())
     /// ```
     pub fn stop(outline: Aperture, opening: Aperture) -> Result<Sheet, ComponentError> {
-        let ([w, h], [a, b]) = (outline.checked()?.size(), opening.checked()?.size());
-        consistent(a <= w && b <= h, || {
-            let problem = format!("opening of the stop is {a} x {b} and its outline {w} x {h}");
-            Message::new(problem, "the stop would have no rim").suggest("Are the two swapped?")
-        })?;
-        let sheet = Sheet::plane(outline)?;
-        let hole = opening.column([0.0; 2], [-2.0, 2.0].map(|side| side * thickness(&outline)))?;
-        Ok(Sheet { trim: sheet.trim - hole.named("opening"), ..sheet })
+        check_opening(&outline, &opening)?;
+        let margin = thickness(&outline);
+        Sheet::plane(outline)?.with_opening(opening, [-2.0 * margin, 2.0 * margin])
+    }
+
+    /// A stop on a curved surface with its vertex at the origin: the piece of the surface between an opening about
+    /// the axis and an outline. Where it coincides with the face of a lens or mirror, light crosses it before
+    /// that face, on either side: no gap is needed.
+    ///
+    /// # Errors
+    /// As for [`Sheet::stop`]; forms with parameters out of range; an outline that is larger than the surface.
+    ///
+    /// ```
+    /// use rayweave_optics::component::{Aperture, Asphere, Sheet};
+    ///
+    /// let form = Asphere::conic(20.0, 0.0).into();
+    /// let stop = Sheet::curved_stop(&form, Aperture::circle(10.0), Aperture::circle(8.0))?;
+    /// # Ok::<(), rayweave_optics::component::ComponentError>(())
+    /// ```
+    pub fn curved_stop(
+        form: &SurfaceForm,
+        outline: Aperture,
+        opening: Aperture,
+    ) -> Result<Sheet, ComponentError> {
+        check_opening(&outline, &opening)?;
+        let side = form_side("stop", "sheet", (form, 0.0), &outline, [0.0; 2])?;
+        let ([low, high], margin) = (side.range(), thickness(&outline));
+        let ends = [side.floor(low - margin), side.ceiling(high + margin)];
+        let trim = outline.column([0.0; 2], ends)?.named("outline");
+        let surface = side.before(ends[0])?;
+        let sheet = Sheet { surface, trim, frame: Affine::IDENTITY };
+        sheet.with_opening(opening, [ends[0] - margin, ends[1] + margin])
+    }
+
+    /// The sheet without an opening about the axis; `ends` lie outside the sheet.
+    fn with_opening(self, opening: Aperture, ends: [f64; 2]) -> Result<Sheet, ComponentError> {
+        let hole = opening.column([0.0; 2], ends)?.named("opening");
+        Ok(Sheet { trim: self.trim - hole, ..self })
     }
 
     /// A round stop with a round opening.
@@ -109,6 +140,15 @@ impl Sheet {
         let aperture = Aperture::rectangle(width, height).checked()?;
         curved(profile, aperture, 0.5 * width)
     }
+}
+
+/// Rejects an opening that is wider or higher than the outline of its stop.
+fn check_opening(outline: &Aperture, opening: &Aperture) -> Result<(), ComponentError> {
+    let ([w, h], [a, b]) = (outline.checked()?.size(), opening.checked()?.size());
+    consistent(a <= w && b <= h, || {
+        let problem = format!("opening of the stop is {a} x {b} and its outline {w} x {h}");
+        Message::new(problem, "the stop would have no rim").suggest("Are the two swapped?")
+    })
 }
 
 /// The piece of a surface inside an aperture that extends by `reach` from the axis, or from the plane x = 0.

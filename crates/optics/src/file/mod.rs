@@ -24,7 +24,7 @@
 //! [[optics.sheet]]          # centred at the origin, with the normal along z
 //! name = "screen"
 //! circle = 40               # the diameter; or rectangle = [40, 30], ellipse = [40, 30]
-//! opening = { circle = 10 } # an optional central hole; a curved sheet has radius = -80 and conic = 0 instead
+//! opening = { circle = 10 } # an optional central hole; a curved sheet has radius = -80 and conic = 0 too
 //! action = "absorb"         # record, or { mirror = 0.9 }, { splitter = 0.5 }, { thin_lens = 50 }, { polariser = 30 },
 //!                           # { retarder = [90, 45] }, { grating = { lines = [600, 0], order = 1, reflects = true } }
 //! transform = [{ translate = [0, 0, 50] }]

@@ -1,7 +1,7 @@
 //! Reader of `[[optics.sheet]]`.
 
 use super::values::{Choice, aperture, finite, fraction, transform, word_or_keyed};
-use crate::component::{Aperture, Sheet};
+use crate::component::{Aperture, Asphere, Sheet, SurfaceForm};
 use crate::element::{Action, Element};
 use rayweave_math::{Vec3, sin_cos_degrees};
 use rayweave_scene::foreign::{Keys, Reader};
@@ -39,17 +39,15 @@ fn check_unique(reader: &mut Reader, name: &Spanned<String>, taken: &mut Vec<Str
 fn sheet(reader: &mut Reader, keys: &mut Keys) -> Option<Sheet> {
     let span = keys.span();
     let outline = aperture(reader, keys);
-    let opening = keys.take("opening").map(|datum| (datum.span, opening(reader, datum)));
+    let opening = keys.take("opening").map(|datum| opening(reader, datum));
     let curve = curve(reader, keys)?;
     let sheet = match (opening, curve) {
         (None, None) => Sheet::plane(outline?),
-        (Some((_, opening)), None) => Sheet::stop(outline?, opening?),
+        (Some(opening), None) => Sheet::stop(outline?, opening?),
         (None, Some([radius, conic])) => Sheet::conic(radius, conic, outline?),
-        (Some((span, _)), Some(_)) => {
-            let problem =
-                Diagnostic::error("a curved sheet has no opening").why("only plane stops are supported");
-            reader.report(problem, span);
-            return None;
+        (Some(opening), Some([radius, conic])) => {
+            let form = SurfaceForm::from(Asphere::conic(radius, conic));
+            Sheet::curved_stop(&form, outline?, opening?)
         }
     };
     reader.accept(sheet, span)

@@ -160,6 +160,31 @@ fn a_parabola_has_its_focus_where_the_file_says() {
     }
 }
 
+/// A curved stop blocks the rays that meet its sphere farther from the axis than the radius of the opening.
+#[test]
+fn curved_stops() {
+    let text = "[optics]
+        [[optics.sheet]]
+        name = 'stop'
+        circle = 30
+        opening = { circle = 16 }
+        radius = -20
+        action = 'absorb'
+        transform = [{ translate = [0, 0, 20] }]
+        [[optics.source]]
+        point = { angle = 40, rays = 1000 }";
+    let rows = Run::new(&read(text)).at("stop");
+    // the height on the sphere is 20 sin(angle); the rays fill the solid angle evenly, and sin(angle) = 0.4 at the opening
+    let cosine = |sine: f64| (1.0 - sine * sine).sqrt();
+    let end = 40f64.to_radians().cos();
+    let expected = (cosine(0.4) - end) / (1.0 - end);
+    assert!((rows.len() as f64 / 1000.0 - expected).abs() < 0.01, "{} and {expected}", rows.len());
+    rows.iter().for_each(|row| {
+        close(row.end.length(), 20.0);
+        assert!(row.end.x.hypot(row.end.y) > 8.0);
+    });
+}
+
 /// Light from the centre of a spherical screen arrives at right angles, after one radius.
 #[test]
 fn curved_sheets() {
@@ -180,8 +205,8 @@ fn curved_sheets() {
     };
     assert_eq!(bad("conic = -1"), "7:9 the sheet has a conic constant without a `radius`: it is plane.\n");
     assert_eq!(
-        bad("radius = 40\nopening = { circle = 2 }"),
-        "8:11 a curved sheet has no opening: only plane stops are supported.\n"
+        bad("radius = 40\nopening = { circle = 32 }"),
+        "3:1 opening of the stop is 32 x 32 and its outline 30 x 30: the stop would have no rim. Are the two swapped?\n"
     );
     assert!(
         bad("radius = 10").starts_with("3:1 the aperture of the sheet extends 15 "),

@@ -10,6 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave._package import package
 from rayweave._table import Rows, dataset
+from rayweave._table import _short as short
+
+#: The number of rows that `print` shows.
+_PRINTED_ROWS = 40
 
 
 class Columns(Mapping[str, NDArray[Any]]):
@@ -20,6 +24,10 @@ class Columns(Mapping[str, NDArray[Any]]):
     >>> energy = ro.Columns({"radius": [1, 2], "fraction": [0.5, 1.0]}, {"radius": "mm"})
     >>> energy
     <Columns of 2 rows: radius [mm], fraction>
+    >>> print(energy)
+    radius [mm]  fraction
+              1       0.5
+              2         1
     >>> energy["fraction"], energy.radius
     (array([0.5, 1. ]), array([1, 2]))
     >>> energy[energy.fraction < 1]
@@ -90,6 +98,22 @@ class Columns(Mapping[str, NDArray[Any]]):
     def __repr__(self) -> str:
         units = (f"{name} [{unit}]" if unit else name for name, unit in self.units.items())
         return f"<{type(self).__name__} of {self.rows} rows: {', '.join(units)}>"
+
+    def __str__(self) -> str:
+        """A table of the rows, with the units of the columns; of long tables the first rows."""
+        return self._text({})
+
+    def _text(self, last: Mapping[str, Any]) -> str:
+        """The table, with the entries of one more row at the end, if there are any."""
+        names = [name for name, column in self.columns.items() if column.ndim == 1]
+        shown = range(min(self.rows, _PRINTED_ROWS))
+        cells = [[f"{name} [{self.units[name]}]" if self.units[name] else name for name in names]]
+        cells += [[short(self.columns[name][row].item()) for name in names] for row in shown]
+        cells += [[short(last.get(name, "")) for name in names]] if last else []
+        widths = [max(len(row[k]) for row in cells) for k in range(len(names))]
+        lines = ["  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True)) for row in cells]
+        more = self.rows - len(shown)
+        return "\n".join(lines + [f"... and {more} more row{'s' * (more > 1)}"] * (more > 0))
 
     def _repr_html_(self) -> str:
         names = {name: f"{name} [{unit}]" if unit else name for name, unit in self.units.items()}

@@ -16,7 +16,9 @@ from rayweave import _core
 from rayweave._table import table_of
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import all_of, each, flag, real, text, whole
-from rayweave.optics._images import _axes, _labelled
+from rayweave.optics._images import _labelled
+from rayweave.optics._plot import Plot
+from rayweave.optics._plot import one_axes as _axes
 from rayweave.optics._prescription import Prescription
 from rayweave.optics._pupil import RINGS
 
@@ -49,15 +51,23 @@ class Sensitivities(Columns):
     'index 1'
     """
 
-    def show(self, *, ax: Axes | None = None, most: int = 20) -> Axes:
-        """Draws the changes of the merit as bars; the parameter with the largest change is on top. Only the `most` parameters
-        with the largest changes are drawn."""
+    def show(self, *, ax: Axes | Plot | None = None, most: int = 20) -> Plot:
+        """Draws the changes of the merit as bars, for each parameter one for each side; the parameter with the largest change
+        is on top. Only the `most` parameters with the largest changes are drawn."""
         ax = _axes(ax)
         order = np.argsort(self["change"])[-whole(most, "most", least=1) :]
         ax.tick_params(axis="y", labelsize="small" if len(order) > 10 else "medium")
-        for name in ("minus", "plus"):
-            ax.barh(self["parameter"][order], self[name][order] - self["nominal"][order], label=name, alpha=0.7)
-        return _labelled(ax, "change of the merit", "")
+        places, height = np.arange(len(order)), 0.38
+        for name, side in (("minus", -0.5), ("plus", 0.5)):
+            change = self[name][order] - self["nominal"][order]
+            ax.barh(places + side * height, change, height, label=name)
+        ax.set_yticks(places, self["parameter"][order])
+        # a few bars keep the width that they have beside others
+        ax.set_ylim(-0.6, max(len(order), 4) - 0.4)
+        ax.axvline(0.0, color="#a0a0a0", linewidth=0.6)
+        ax.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
+        unit = self.units["change"]
+        return Plot(_labelled(ax, f"change of the merit, {unit}" if unit else "change of the merit", "", legend=False))
 
 
 class Trials(Columns):
@@ -88,7 +98,7 @@ class Trials(Columns):
         """The number of trials without a merit."""
         return int(np.isnan(self["merit"]).sum())
 
-    def show(self, *, ax: Axes | None = None, bins: int = 40) -> Axes:
+    def show(self, *, ax: Axes | Plot | None = None, bins: int = 40) -> Plot:
         """Draws a histogram of the merits, with the merit without errors and the quantiles of 10, 50 and 90 percent."""
         ax = _axes(ax)
         merits = self["merit"][np.isfinite(self["merit"])]
@@ -98,7 +108,7 @@ class Trials(Columns):
             at = self.quantile(fraction)
             ax.axvline(at, color="#c05020", linestyle="--", label=f"{100 * fraction:g} %: {at:.4g}")
         unit = self.units["merit"]
-        return _labelled(ax, f"merit, {unit}" if unit else "merit", "trials")
+        return Plot(_labelled(ax, f"merit, {unit}" if unit else "merit", "trials"))
 
 
 def tolerance(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +25,14 @@ _CURVED = _core.event_names().index("curved")
 
 
 def draw(
-    trace: Trace, view: str, color: str, ax: Axes | None, width: float, rays: int, escape: float | None
+    trace: Trace,
+    view: str,
+    color: str,
+    ax: Axes | None,
+    width: float,
+    rays: int,
+    escape: float | None,
+    hidden: Sequence[str] = (),
 ) -> Axes:
     plt = package("matplotlib.pyplot", "drawings")
     from matplotlib.collections import LineCollection
@@ -39,7 +47,7 @@ def draw(
     length = escape if escape is not None else 0.2 * float(limits[0][1] - limits[0][0])
     tilts = np.stack([trace[f"{k}_tilt"] for k in "xyz"], axis=1)[chosen]
     ends = np.where(np.isnan(ends), starts + length * tilts, ends)
-    _sections(trace.system, ax, across, up, limits)
+    _sections(trace.system, ax, across, up, limits, hidden)
     lines = [line[:, [across, up]] for line in _lines(trace, starts, ends, tilts, chosen)]
     shades = _colours(trace, color, chosen)
     ax.add_collection(LineCollection(lines, colors=shades, linewidths=width, zorder=3))
@@ -119,7 +127,7 @@ def _limits(
 
 
 def _sections(
-    system: System, ax: Axes, across: int, up: int, limits: list[tuple[float, float]]
+    system: System, ax: Axes, across: int, up: int, limits: list[tuple[float, float]], hidden: Sequence[str]
 ) -> None:
     """Draws every solid along lines in the plane of the section, filled between entry and exit."""
     from matplotlib.collections import LineCollection
@@ -129,6 +137,8 @@ def _sections(
     spacing = at[1] - at[0]
     rows = np.linspace(low, high, _LINES)
     for body in system.elements:
+        if body.name in hidden:
+            continue
         if isinstance(body.body, Sheet):
             surface, trim = body.body.solids()
             _outline(ax, surface & trim, trim - surface, across, up, limits)

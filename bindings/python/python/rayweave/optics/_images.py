@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import array, package, pair, real, whole
+from rayweave.optics._plot import Plot
+from rayweave.optics._plot import one_axes as _axes
 from rayweave.optics._pupil import PupilMeans, PupilSample, best_shift
 from rayweave.optics._system import _UNIT_NM
 
@@ -21,12 +23,6 @@ if TYPE_CHECKING:
 Numbers = NDArray[np.float64]
 
 _ALONG: tuple[Literal["y", "x"], ...] = ("y", "x")
-
-
-def _axes(ax: Axes | None) -> Axes:
-    plt = package("matplotlib.pyplot", "drawings")
-    # the layout leaves room for legends beside the axes
-    return plt.subplots(layout="constrained")[1] if ax is None else ax
 
 
 def _micrometres(unit: str) -> tuple[float, str]:
@@ -186,7 +182,7 @@ class Spots(Columns):
         table._airy = airy_radius
         return table
 
-    def show(self, *, axes: Sequence[Axes] | None = None) -> list[Axes]:
+    def show(self, *, axes: Sequence[Axes] | None = None) -> Plot:
         """Draws the spot diagrams about their centroids in micrometres, to one scale, coloured by wavelength, with the
         Airy disk of the primary wavelength, or of the only one, on the axis, up to its first dark ring."""
         from rayweave.optics._drawing import wavelength_rgb
@@ -209,7 +205,7 @@ class Spots(Columns):
             ax.tick_params(labelsize="small", labelleft=k == 0)
             ax.locator_params(nbins=4)
         self._legend(list(axes)[count - 1])
-        return list(axes)
+        return Plot(list(axes))
 
     def _legend(self, ax: Axes) -> None:
         """Adds a legend of the wavelengths and the Airy disk beside the last diagram."""
@@ -267,7 +263,7 @@ class Fans(Columns):
         wanted = (self["field"] == field) & (self["along"] == number) & (self["wavelength_nm"] == wavelength_nm)
         return self["pupil"][wanted], self[f"error_{along}"][wanted]
 
-    def show(self, *, axes: Any = None) -> Any:
+    def show(self, *, axes: Any = None) -> Plot:
         """Draws the fans, field by field, coloured by wavelength: a row for each, along y and along x. `axes` is an
         array (fields, 2)."""
         from rayweave.optics._drawing import wavelength_rgb
@@ -289,7 +285,7 @@ class Fans(Columns):
                 last = field == fields[-1]
                 up = f"error, {self.units['error_y']}" if along == "y" else ""
                 _labelled(ax, "pupil" if last else "", up, legend=field == fields[0] and along == "y")
-        return axes
+        return Plot(axes)
 
 
 class Seidel(Columns):
@@ -308,6 +304,8 @@ class Seidel(Columns):
     >>> seidel = lens.seidel()
     >>> seidel.rows, round(seidel.sum["spherical"], 6)
     (2, 0.016136)
+    >>> [line.split()[0] for line in str(seidel).splitlines()]
+    ['surface', '1', '2', 'sum']
     """
 
     @classmethod
@@ -316,12 +314,15 @@ class Seidel(Columns):
         count = len(sums["spherical"])
         return cls({"surface": np.arange(1, count + 1), **sums}, dict.fromkeys(sums, unit))
 
+    def __str__(self) -> str:
+        return self._text({"surface": "sum", **self.sum})
+
     @property
     def sum(self) -> dict[str, float]:
         """The sums over all surfaces by name."""
         return {name: float(column.sum()) for name, column in self.items() if name != "surface"}
 
-    def show(self, *, ax: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the sums of every surface and of all of them as bars."""
         ax, names = _axes(ax), list(self.sum)
         labels = [*map(str, self["surface"]), "sum"]
@@ -332,7 +333,7 @@ class Seidel(Columns):
         ax.set_xticks(range(len(labels)), labels)
         ax.axhline(0.0, color="#a0a0a0", linewidth=0.6)
         ax.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
-        return _labelled(ax, "surface", f"Seidel sum, {self.units['spherical']}", legend=False)
+        return Plot(_labelled(ax, "surface", f"Seidel sum, {self.units['spherical']}", legend=False))
 
 
 class ZernikeFit(Columns):
@@ -359,12 +360,12 @@ class ZernikeFit(Columns):
         values = [c * _core.zernike_values((n, m), points) for n, m, c in terms]
         return np.asarray(np.sum(values, axis=0), float)
 
-    def show(self, *, ax: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the coefficients as bars, without piston and tilts."""
         ax = _axes(ax)
         wanted = self["n"] > 1
         ax.bar(self["index"][wanted], self["coefficient"][wanted])
-        return _labelled(ax, "index", "coefficient, waves", legend=False)
+        return Plot(_labelled(ax, "index", "coefficient, waves", legend=False))
 
 
 class Wavefront(Columns):
@@ -428,7 +429,7 @@ class Wavefront(Columns):
         fit.residual_rms = residual
         return fit
 
-    def show(self, *, ax: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the differences over the pupil."""
         ax = _axes(ax)
         reach = float(np.abs(self["waves"]).max()) or 1.0
@@ -448,7 +449,7 @@ class Wavefront(Columns):
             figure.colorbar(drawn, ax=ax, label="waves")
         ax.set_aspect("equal")
         ax.set_title(f"RMS {self.rms:.3g} waves", fontsize="small")
-        return _labelled(ax, "pupil x", "pupil y", legend=False)
+        return Plot(_labelled(ax, "pupil x", "pupil y", legend=False))
 
 
 class _ByField(Columns):
@@ -468,7 +469,7 @@ class _ByField(Columns):
         """A column of one field."""
         return np.asarray(self[name][self["field"] == field])
 
-    def _show(self, ax: Axes | None, across: str, names: dict[str, str], up: str) -> Axes:
+    def _show(self, ax: Axes | Plot | None, across: str, names: dict[str, str], up: str) -> Axes:
         ax = _axes(ax)
         for field in np.unique(self["field"]).tolist():
             for name, style in names.items():
@@ -500,9 +501,9 @@ class Energy(_ByField):
         }
         return cls(columns, {"radius": unit})
 
-    def show(self, *, ax: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the fractions over the radius."""
-        return self._show(ax, "radius", {"fraction": "-"}, "fraction of the power")
+        return Plot(self._show(ax, "radius", {"fraction": "-"}, "fraction of the power"))
 
 
 class Modulation(_ByField):
@@ -549,7 +550,7 @@ class Modulation(_ByField):
         }
         return cls(columns, {"frequency": f"1/{unit}"})
 
-    def show(self, *, ax: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the modulation over the frequency, the diffraction limit in grey."""
         ax = self._show(ax, "frequency", {"tangential": "-", "sagittal": "--"}, self._UP)
         ax.plot(self.of_field(0, "frequency"), self.of_field(0, "limit"), color="#909090", label="diffraction limit, axis")
@@ -558,7 +559,7 @@ class Modulation(_ByField):
         ax.set_ylim(0.0, 1.02)
         ax.grid(color="#e0e0e0", linewidth=0.6)
         ax.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
-        return ax
+        return Plot(ax)
 
 
 class DiffractionModulation(Modulation):
@@ -600,9 +601,9 @@ class ThroughFocus(_ByField):
         columns = {"field": field, "shift": np.tile(shifts, len(images)), "rms": np.array(radii)}
         return cls(columns, {"shift": unit, "rms": unit})
 
-    def show(self, *, ax: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the radii over the shift."""
-        return self._show(ax, "shift", {"rms": "-"}, f"RMS radius, {self.units['rms']}")
+        return Plot(self._show(ax, "shift", {"rms": "-"}, f"RMS radius, {self.units['rms']}"))
 
 
 @dataclass(frozen=True)
@@ -655,14 +656,14 @@ class Distortion(_OverField):
         columns = {"real": real, "paraxial": paraxial, "relative": relative}
         return cls._over(sweep, columns, dict.fromkeys(("real", "paraxial"), sweep.unit))
 
-    def show(self, *, ax: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the relative distortion in percent against the field."""
         ax = _axes(ax)
         # on the axis it vanishes in the limit
         ax.plot(np.where(self["share"] == 0.0, 0.0, 100.0 * self["relative"]), self._height())
         ax.axvline(0.0, color="#a0a0a0", linewidth=0.6)
         ax.set_ylim(bottom=0.0)
-        return _labelled(ax, "distortion, %", self._label(), legend=False)
+        return Plot(_labelled(ax, "distortion, %", self._label(), legend=False))
 
 
 class Vignetting(_OverField):
@@ -680,14 +681,14 @@ class Vignetting(_OverField):
         """From fractions by field."""
         return cls._over(sweep, {"transmitted": transmitted}, {})
 
-    def show(self, *, ax: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the fraction in percent over the field."""
         ax = _axes(ax)
         ax.plot(self._height(), 100.0 * self["transmitted"])
         ax.set_xlim(0.0, float(self._height().max()) or None)
         ax.set_ylim(0.0, 102.0)
         ax.grid(color="#e0e0e0", linewidth=0.6)
-        return _labelled(ax, self._label(), "transmitted part of the pupil, %", legend=False)
+        return Plot(_labelled(ax, self._label(), "transmitted part of the pupil, %", legend=False))
 
 
 class FieldCurvature(_OverField):
@@ -707,14 +708,14 @@ class FieldCurvature(_OverField):
         columns = {"tangential": found[:, 2], "sagittal": found[:, 3]}
         return cls._over(sweep, columns, dict.fromkeys(columns, sweep.unit))
 
-    def show(self, *, ax: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the foci against the field."""
         ax = _axes(ax)
         ax.plot(self["tangential"], self._height(), label="tangential")
         # short dashes, so that the line does not seem to end in a gap
         ax.plot(self["sagittal"], self._height(), dashes=(3.0, 1.0), label="sagittal")
         ax.axvline(0.0, color="#a0a0a0", linewidth=0.6)
-        return _labelled(ax, f"focus, {self.units['tangential']}", self._label())
+        return Plot(_labelled(ax, f"focus, {self.units['tangential']}", self._label()))
 
 
 class FocalShift(Columns):
@@ -734,11 +735,11 @@ class FocalShift(Columns):
         """From wavelengths and foci."""
         return cls({"wavelength_nm": lines, "focus": foci}, {"wavelength_nm": "nm", "focus": unit})
 
-    def show(self, *, ax: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the focus against the wavelength."""
         ax = _axes(ax)
         ax.plot(self["focus"], self["wavelength_nm"])
-        return _labelled(ax, f"focus, {self.units['focus']}", "wavelength, nm", legend=False)
+        return Plot(_labelled(ax, f"focus, {self.units['focus']}", "wavelength, nm", legend=False))
 
 
 class LateralColour(_OverField):
@@ -760,7 +761,7 @@ class LateralColour(_OverField):
         columns = {"wavelength_nm": np.repeat(lines, len(sweep.share)), "shift": found.ravel()}
         return cls._over(sweep, columns, {"wavelength_nm": "nm", "shift": sweep.unit}, len(lines))
 
-    def show(self, *, ax: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the shifts in micrometres against the field, coloured by wavelength."""
         from rayweave.optics._drawing import wavelength_rgb
 
@@ -772,4 +773,4 @@ class LateralColour(_OverField):
             ax.plot(scale * self["shift"][wanted], self._height()[wanted], color=shade, label=f"{line:g} nm")
         ax.locator_params(axis="x", nbins=6)
         ax.set_ylim(bottom=0.0)
-        return _labelled(ax, f"lateral colour, {unit}", self._label())
+        return Plot(_labelled(ax, f"lateral colour, {unit}", self._label()))

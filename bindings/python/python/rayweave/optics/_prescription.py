@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._core import Glass, Sheet, Solid
+from rayweave._drawing import Drawing
 from rayweave._table import table_of
 from rayweave._words import no_attribute, suggesting
 from rayweave.optics._diffraction import TransferFunction, cells_for, pupil_cells, slopes_of_pupil, steepest_step
@@ -49,6 +50,7 @@ from rayweave.optics._images import (
     Wavefront,
     diffraction_limit,
 )
+from rayweave.optics._plot import Plot
 from rayweave.optics._pupil import RINGS, PupilSample, best_shift, even_points, pupil_deviation, pupil_grid, pupil_quadrature
 from rayweave.optics._surface_table import prescription_text
 from rayweave.optics._system import _UNIT_NM, System, Trace
@@ -729,7 +731,19 @@ class Prescription:
     # solids
 
     def elements(self) -> list[Element]:
-        """The lenses, mirrors, stop and image as elements of a system, to which others can be added."""
+        """The lenses, mirrors, stop and image as elements of a system, to which others can be added.
+
+        A stop in a medium is a plane sheet, `stop`. A stop on a lens is a ring on that face, from its clear semi-diameter
+        (`semi_diameters`: the stated one, or the rays of all fields plus 2 %) to the edge of the lens; a plane `mount` around the
+        lens blocks light beside it, unless it could lie in the way of other light (mirrors, coordinate breaks, nested lenses).
+        Neither exists where the rim of a mirror, or of the widest lens, is the stop.
+
+        >>> import rayweave.optics as ro
+        >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+        >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5], stop=2)
+        >>> [element.name for element in lens.elements()]
+        ['lens 1-2', 'stop', 'image']
+        """
         return [_element(*part) for part in self._compiled.parts()]
 
     def system(self) -> System:
@@ -955,7 +969,8 @@ class Prescription:
         """The modulation transfer function of every field with diffraction, by frequency in cycles per unit of length:
         `tangential` for lines across the direction of the field, `sagittal` for those along it, `limit` that of a lens
         without aberrations for the same light, as in `geometric_mtf`; at one wavelength or, by default, at all of them with
-        their weights.
+        their weights. The frequencies end at the cutoff of the limit by default, several times what most sensors
+        resolve: pass, for example, `np.linspace(0, 100, 51)`.
 
         The optical transfer function is the autocorrelation of the pupil function, and the Fourier transform of the
         square of the modulus of its transform (J. W. Goodman, Introduction to Fourier Optics, section 6.3). The pupil
@@ -1098,7 +1113,7 @@ class Prescription:
         found = [[shift(k, line) for k in range(count)] for line in self.wavelengths_nm]
         return LateralColour.of(sweep, self.wavelengths_nm, np.array(found))
 
-    def show(self, *, ax: Axes | None = None, rays: int = 5, **options: Any) -> Axes:
+    def show(self, *, ax: Axes | Plot | None = None, rays: int = 5, **options: Any) -> Plot:
         """Draws a section of the solids with rays of all fields in the plane x = 0, coloured by field; `options` are
         those of `Trace.show`. Only rays that pass the surfaces in order reach the image; vignetted ones end where they
         are absorbed, or beside the surface that they miss."""
@@ -1122,7 +1137,9 @@ class Prescription:
         )
         arriving = [k * rays + drawn._drawn_arrivals(k, pupil, self.primary_nm)["id"] for k in fields]
         trace = _in_order(trace, np.concatenate(arriving))
-        ax = trace.show(ax=ax, **{"color": "source", "rays": len(origins), **options})
+        # a stop on a lens is drawn as the edges of its opening
+        hidden = () if self._has_stop_in_air() else ("stop", "mount")
+        ax = trace._show(ax=ax, hidden=hidden, **{"color": "source", "rays": len(origins), **options})
         ends = np.concatenate([trace["y0"], trace["y1"][np.isfinite(trace["y1"])]])
         reach = 1.1 * max(float(self.semi_diameters()[:-1].max()), float(np.abs(ends).max()))
         ax.set_ylim(-reach, reach)
@@ -1135,7 +1152,31 @@ class Prescription:
         ax.set_xlabel(f"z, {self.unit}")
         ax.set_ylabel(f"y, {self.unit}")
         ax.set_title(self.name)
-        return ax
+        return Plot(ax)
+
+    def drawing(self, lens: int | Element = 1, *, title: str = "") -> Drawing:
+        """The drawing of one lens, counted from 1 in the order of the light, or given as one of `elements`, in the tabular form
+        of ISO 10110-1: a section with diameter and centre thickness, and radii, clear diameters and glass. Fields for
+        indications that a prescription does not have, such as the tolerance of the surface form, are empty.
+
+        >>> import rayweave.optics as ro
+        >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+        >>> drawing = ro.Prescription(surfaces, entrance_pupil_diameter=10).drawing(1)
+        >>> "R 50 CX" in drawing.svg
+        True
+        """
+        number = lens
+        if isinstance(lens, Element):
+            lenses = [name for name, *_ in self._compiled.parts() if name.startswith("lens ")]
+            if lens.name not in lenses:
+                raise _core.RayweaveError(f"{lens.name!r} is no lens of the prescription: the lenses are {', '.join(lenses)}.")
+            number = lenses.index(lens.name) + 1
+        return Drawing(self._compiled.drawing(whole(number, "lens", least=1), text(title, "title")))
+
+    def _has_stop_in_air(self) -> bool:
+        """True if the medium is the same on both sides of the stop."""
+        behind = ["air", *(surface.behind for surface in self.surfaces)]
+        return behind[self.stop - 1] == behind[self.stop]
 
     def _draw_stop(self, ax: Axes) -> None:
         """Draws the rim of the stop as two lines away from the axis."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path as FilePath
@@ -18,6 +18,7 @@ from rayweave._table import Rows, dataset, table_of
 from rayweave.optics._analysis import Path, Spot, irradiance_of, paths_of, spot_of
 from rayweave.optics._elements import Element, _medium, _yellow
 from rayweave.optics._given import all_of, array, flag, package, real, text, unknown, whole
+from rayweave.optics._plot import Plot, one_axes
 from rayweave.optics._sources import Source
 from rayweave.optics._stream import Progress, Stream, record_batch, reporter, write
 
@@ -497,20 +498,35 @@ class Trace(Mapping[str, NDArray[Any]]):
         view: Literal["zx", "zy", "xy"] = "zy",
         *,
         color: Literal["wavelength", "source"] | str = "wavelength",
-        ax: Axes | None = None,
+        ax: Axes | Plot | None = None,
         ray_width: float = 0.8,
         rays: int = 200,
         escape: float | None = None,
-    ) -> Axes:
-        """Draws the cross-section of the solids in the coordinate plane `view`, with all rays projected onto it, on
-        matplotlib Axes.
+    ) -> Plot:
+        """Draws the cross-section of the solids in the coordinate plane `view`, with all rays projected onto it, by
+        matplotlib.
 
         Rays are coloured by wavelength, by source, or all in one colour. If there are more than `rays` rays, every n-th is
         drawn. Light that escapes is drawn with the length `escape`, by default a fifth of the picture.
         """
+        return Plot(self._show(view, color=color, ax=ax, ray_width=ray_width, rays=rays, escape=escape))
+
+    def _show(
+        self,
+        view: str = "zy",
+        *,
+        color: str = "wavelength",
+        ax: Axes | Plot | None = None,
+        ray_width: float = 0.8,
+        rays: int = 200,
+        escape: float | None = None,
+        hidden: Sequence[str] = (),
+    ) -> Axes:
+        """The drawing of `show`, without the elements with the names `hidden`."""
         from rayweave.optics._drawing import draw
 
-        return draw(self, view, color, ax, ray_width, whole(rays, "rays", least=1), escape)
+        given = one_axes(ax) if isinstance(ax, Plot) else ax
+        return draw(self, view, color, given, ray_width, whole(rays, "rays", least=1), escape, hidden)
 
 
 def _material_text(element: Element) -> str:

@@ -103,6 +103,12 @@ impl PyPrescription {
         parts(py, &layout.assembly)?.into_iter().map(|part| part.into_bound_py_any(py)).collect()
     }
 
+    /// The drawing of a lens, counted from 1, as SVG.
+    #[pyo3(signature = (number, title))]
+    fn drawing(&self, py: Python<'_>, number: usize, title: &str) -> PyResult<String> {
+        py.detach(|| rayweave::lens_drawing(&self.lens, number, title)).map_err(bad_value)
+    }
+
     /// The clear semi-diameters of the surfaces and of the image.
     fn semi_diameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         Ok(PyArray1::from_slice(py, &self.built(py)?.0.semi_diameters))

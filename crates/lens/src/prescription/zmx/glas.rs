@@ -2,7 +2,7 @@
 
 use super::words::number;
 use crate::prescription::Behind;
-use rayweave_optics::glass::{Glass, glass, glasses};
+use rayweave_optics::glass::{Glass, GlassError, glass, glasses};
 use std::collections::BTreeSet;
 
 /// Index and Abbe number that programs write as placeholders.
@@ -35,7 +35,7 @@ pub(super) fn behind(words: &[&str], makers: &[String]) -> Result<(Behind, Optio
     let stated = data.as_ref().ok().copied().filter(|data| *data != DUMMY && model(*data).medium().is_ok());
     let plain = match glass(name) {
         Ok(plain) => plain,
-        Err(problem) => return substitute(name, &problem.to_string(), stated),
+        Err(problem) => return substitute(name, &problem, stated),
     };
     let known = known_makers();
     let found = candidates(name, makers, &known, &plain);
@@ -125,9 +125,14 @@ fn unlisted(found: &Glass, entries: &[String], known: &[&str]) -> Option<String>
 /// number; then a model glass.
 fn substitute(
     name: &str,
-    problem: &str,
+    error: &GlassError,
     stated: Option<[f64; 2]>,
 ) -> Result<(Behind, Option<String>), String> {
+    // the suggestions of the error would run into what is used instead
+    let problem = match error {
+        GlassError::Unknown { name, .. } => format!("no glass is named {name:?}"),
+        other => other.to_string(),
+    };
     if let (Some([n_d, v_d]), Some((behind, glass))) = (stated, successor(name))
         && has_index(&glass, n_d)
         && has_abbe(&glass, v_d)
@@ -144,7 +149,7 @@ fn substitute(
             let note = format!("{problem}; its successor N-{name} is used");
             Ok((successor, Some(note)))
         }
-        None => Err(problem.to_owned()),
+        None => Err(error.to_string()),
     }
 }
 
