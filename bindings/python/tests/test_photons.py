@@ -200,6 +200,8 @@ def test_the_layout_of_opticks(bar):
     flags = photons.view(np.uint32)[:, 3]
     np.testing.assert_array_equal(flags[:, 2], hits["photon"])
     assert set(flags[:, 0]) == {1 << 6} and set(flags[:, 1]) == {1}
+    # the index of the instance is an integer
+    assert set(photons.view(np.uint32)[:, 1, 3]) == {0}
 
 
 def same(a, b):

@@ -112,7 +112,7 @@ impl PhotonReport {
         [fraction, (fraction * (1.0 - fraction) / photons).max(0.0).sqrt()]
     }
 
-    /// The table of the hits by sensor: the first sensors, in the order of the detector.
+    /// The table of the hits by sensor, in the order of the detector; of many sensors those with hits come first.
     fn sensor_table(&self) -> String {
         let row = |(path, count): &(String, u64)| {
             let part = 100.0 * *count as f64 / self.hits.max(1) as f64;
@@ -124,10 +124,14 @@ impl PhotonReport {
             let error = if error > 0.0 { format!("{error:.digits$}") } else { "-".to_owned() };
             vec![path.clone(), count.to_string(), format!("{part:.2}"), fraction, error]
         };
-        let rows: Vec<Vec<String>> = self.sensors.iter().take(LISTED_SENSORS).map(row).collect();
+        let mut sensors: Vec<&(String, u64)> = self.sensors.iter().collect();
+        if sensors.len() > LISTED_SENSORS {
+            sensors.sort_by_key(|(_, count)| *count == 0);
+        }
+        let rows: Vec<Vec<String>> = sensors.iter().take(LISTED_SENSORS).map(|own| row(own)).collect();
         let header = ["sensor", "hits", "% of hits", "% of photons", "+/-"];
         let mut text = terminal::table(&header, &rows, &[false, true, true, true, true]) + "\n";
-        let rest = self.sensors.iter().skip(LISTED_SENSORS);
+        let rest = sensors.iter().skip(LISTED_SENSORS);
         if rest.len() > 0 {
             let hits: u64 = rest.clone().map(|(_, count)| count).sum();
             text += &format!("... and {} more sensors with {hits} hits; --json lists all\n\n", rest.len());

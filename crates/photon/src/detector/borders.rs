@@ -99,12 +99,13 @@ impl SurfaceTable {
         volumes: &Volumes,
         (name, properties): (&str, &mut PropertyReader),
     ) {
-        let mut placements = |placement: &str| match volumes.placements.get(placement) {
-            Some(list) => list.clone(),
-            None => {
-                properties.note(Owner::new("border", name), missing_placement(name, placement, volumes));
-                Vec::new()
-            }
+        let mut placements = |placement: &str| {
+            let note = match volumes.placements.get(placement) {
+                Some(list) => repeated_placement(name, placement, list),
+                None => Some(missing_placement(name, placement, volumes)),
+            };
+            note.into_iter().for_each(|note| properties.note(Owner::new("border", name), note));
+            volumes.found_by_name(placement).cloned().collect::<Vec<Placement>>()
         };
         let (before, after) = (placements(first), placements(second));
         for before in &before {
@@ -201,6 +202,26 @@ impl SurfaceTable {
         let order = if self.nested.contains(&(before, after)) { [after, before] } else { [before, after] };
         order.iter().find_map(|region| self.skins.get(region).copied())
     }
+}
+
+/// The message about a border surface with a name of several placements, of which it acts on the first one.
+fn repeated_placement(border: &str, name: &str, list: &[Placement]) -> Option<Message> {
+    let first = list.first()?;
+    let others = list.iter().filter(|placement| !placement.is_first).count();
+    if others == 0 {
+        return None;
+    }
+    let problem =
+        format!("border surface `{border}` acts on one of {} placements named `{name}`", others + 1);
+    let reason = format!(
+        "it finds the first one in the file, that of volume `{}` in `{}`, as in Geant4",
+        first.volume, first.mother
+    );
+    let advice = format!(
+        "Give the placements different names and each a border surface, or make the surface the skin of `{}`.",
+        first.volume
+    );
+    Some(Message::new(problem, reason).suggest(advice))
 }
 
 /// The message about a border surface with an unknown placement.

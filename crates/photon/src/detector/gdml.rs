@@ -6,7 +6,7 @@ use crate::material::{
     WavelengthShifter, rayleigh_length,
 };
 use crate::property::group_velocity;
-use rayweave_scene::{Datum, Scene};
+use rayweave_scene::{Datum, Scene, bare_name};
 use std::collections::{HashMap, HashSet};
 
 /// The optical materials by the number of the medium.
@@ -154,6 +154,30 @@ pub(crate) struct Placement {
     pub volume: String,
     /// The numbers of its copies, as in occurrence paths.
     pub copies: std::ops::Range<i64>,
+    /// The volume in which it is placed; empty in native models.
+    pub mother: String,
+    /// True for the placement that a border surface finds by the name: the first one in the file, as in Geant4. Copies with
+    /// different solids of one replicated volume are one placement.
+    pub is_first: bool,
+}
+
+impl Placement {
+    /// True if another placement of the same name and mother is a copy of the same replicated volume, with a solid of its own.
+    fn is_replica_of(&self, other: &Placement) -> bool {
+        let original = |placement: &'_ Placement| {
+            let numbered = placement.volume.strip_suffix(']').and_then(|name| name.rsplit_once('['));
+            bare_name(numbered.map_or(placement.volume.as_str(), |(name, _)| name)).to_owned()
+        };
+        let is_numbered = [self, other].iter().any(|placement| placement.volume.ends_with(']'));
+        is_numbered && self.mother == other.mother && original(self) == original(other)
+    }
+}
+
+impl Volumes {
+    /// The placements that a border surface finds by a name: one, or the copies of a replicated volume. None for unknown names.
+    pub fn found_by_name(&self, name: &str) -> impl Iterator<Item = &Placement> {
+        self.placements.get(name).into_iter().flatten().filter(|placement| placement.is_first)
+    }
 }
 
 /// The numbers of the regions by their names; the world outside has none. Copies that touch are regions with one name.
@@ -183,8 +207,11 @@ pub(super) fn volumes(table: &Datum, scene: &Scene) -> Volumes {
             let first = daughter.get("copy").and_then(Datum::as_number).map_or(*next, |copy| copy as i64);
             *next += count;
             *volumes.copies.entry(volume.clone()).or_default() += count as usize;
-            let placement = Placement { volume, copies: first..first.saturating_add(count) };
-            volumes.placements.entry(daughter.text("name").to_owned()).or_default().push(placement);
+            let (mother, copies) = (row.text("name").to_owned(), first..first.saturating_add(count));
+            let mut placement = Placement { volume, copies, mother, is_first: true };
+            let named = volumes.placements.entry(daughter.text("name").to_owned()).or_default();
+            placement.is_first = named.first().is_none_or(|first| placement.is_replica_of(first));
+            named.push(placement);
         }
     }
     for row in &rows {

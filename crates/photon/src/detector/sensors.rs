@@ -32,8 +32,12 @@ pub(super) fn names(table: &Datum, scene: &Scene) -> Vec<Option<String>> {
     sensors
 }
 
-/// The regions in which photons can be detected: sensitive ones, those behind a border with an efficiency, and those within a skin with
-/// an efficiency. Light that leaves a clear volume through its skin is detected in its mother or in a daughter.
+/// The regions in which photons can be detected: sensitive ones, those behind a border with an efficiency, and those that light enters
+/// through a skin with an efficiency.
+///
+/// The light at a skin comes from outside where a medium there has an index. From inside, towards the mother or a daughter, it comes if
+/// the volume or one within it emits light, if the skin lets light in, or if no light arrives from outside. A source of photons
+/// elsewhere may add other sensors to its hits.
 pub(super) fn detecting_regions(
     table: &Datum,
     scene: &Scene,
@@ -43,29 +47,73 @@ pub(super) fn detecting_regions(
 ) -> HashSet<u32> {
     let sensitive = (0u32..).zip(sensors).filter(|(_, sensor)| sensor.is_some());
     let mut regions: HashSet<u32> = sensitive.map(|(region, _)| region).collect();
-    let detecting: HashSet<&str> =
-        surfaces.iter().filter(|own| own.detects()).map(|own| own.name.as_str()).collect();
-    let rows = |list: &'static str| table.list(list).filter(|row| detecting.contains(row.text("surface")));
-    for row in rows("border") {
+    let detecting: HashMap<&str, &OpticalSurface> =
+        surfaces.iter().filter(|own| own.detects()).map(|own| (own.name.as_str(), own)).collect();
+    for row in table.list("border").filter(|row| detecting.contains_key(row.text("surface"))) {
         let second = row.list("placements").filter_map(Datum::as_text).nth(1);
-        for placement in second.and_then(|name| volumes.placements.get(name)).into_iter().flatten() {
+        for placement in second.into_iter().flat_map(|name| volumes.found_by_name(name)) {
             regions.extend(volumes.regions.get(&placement.volume).into_iter().flatten());
         }
     }
-    let within = rows("skin").flat_map(|row| row.list("volume")).filter_map(Datum::as_text);
-    let within: HashSet<u32> =
-        within.filter_map(|volume| volumes.regions.get(volume)).flatten().copied().collect();
-    let is_clear = |region: &u32| {
-        let own = (*region as usize).checked_sub(1).and_then(|number| scene.regions.get(number));
-        let material = own.and_then(|region| materials.get(region.medium as usize));
-        within.contains(region) && material.is_some_and(|material| material.index.is_some())
+    let neighbours = Neighbours::new(volumes);
+    let material = |region: u32| {
+        let own = (region as usize).checked_sub(1).and_then(|number| scene.regions.get(number));
+        own.and_then(|region| materials.get(region.medium as usize))
     };
-    for (mother, daughter) in &volumes.nested {
-        regions.extend(is_clear(mother).then_some(*daughter));
-        regions.extend(is_clear(daughter).then_some(*mother));
+    let is_clear = |region: &u32| material(*region).is_some_and(|own| own.index.is_some());
+    let emits = |region: u32| {
+        material(region).is_some_and(|own| !own.scintillation.is_empty() || !own.shifters.is_empty())
+    };
+    for row in table.list("skin") {
+        let Some(skin) = detecting.get(row.text("surface")) else { continue };
+        let within = row.list("volume").filter_map(Datum::as_text);
+        for &own in within.filter_map(|volume| volumes.regions.get(volume)).flatten() {
+            let [mothers, daughters] =
+                [&neighbours.mothers, &neighbours.daughters].map(|list| list.get(&own));
+            let (mothers, daughters) = (mothers.into_iter().flatten(), daughters.into_iter().flatten());
+            let beside = mothers.clone().filter_map(|mother| neighbours.daughters.get(mother)).flatten();
+            let is_lit = mothers.clone().chain(beside.filter(|other| **other != own)).any(is_clear);
+            if is_lit || daughters.clone().any(is_clear) {
+                regions.insert(own);
+            }
+            let is_source = !is_lit || !skin.is_opaque(false) || neighbours.any_within(own, emits);
+            if is_clear(&own) && is_source {
+                regions.extend(mothers.chain(daughters));
+            }
+        }
     }
-    regions.extend(within);
     regions
+}
+
+/// The regions around each region and within it.
+struct Neighbours {
+    mothers: HashMap<u32, Vec<u32>>,
+    daughters: HashMap<u32, Vec<u32>>,
+}
+
+impl Neighbours {
+    fn new(volumes: &Volumes) -> Neighbours {
+        let (mut mothers, mut daughters) = (HashMap::<_, Vec<u32>>::new(), HashMap::<_, Vec<u32>>::new());
+        for &(mother, daughter) in &volumes.nested {
+            mothers.entry(daughter).or_default().push(mother);
+            daughters.entry(mother).or_default().push(daughter);
+        }
+        Neighbours { mothers, daughters }
+    }
+
+    /// True if a region or one within it is such.
+    fn any_within(&self, region: u32, is_such: impl Fn(u32) -> bool) -> bool {
+        let (mut waiting, mut seen) = (vec![region], HashSet::new());
+        while let Some(region) = waiting.pop() {
+            if is_such(region) {
+                return true;
+            }
+            if seen.insert(region) {
+                waiting.extend(self.daughters.get(&region).into_iter().flatten());
+            }
+        }
+        false
+    }
 }
 
 /// The largest number of occurrences of shapes among which sensors are numbered: some 100 MB of paths.

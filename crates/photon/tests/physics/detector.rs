@@ -1,6 +1,6 @@
 //! Detectors from GDML: surfaces, properties, messages.
 
-use crate::{CLEAR, SlabDetector, beam, count, detector, run, settings};
+use crate::{CLEAR, SlabDetector, beam, count, detector, imported, run, settings};
 use rayweave_photon::{BoundaryEvent, End};
 
 /// A border surface has priority over skins and holds in one direction only.
@@ -198,4 +198,103 @@ fn touching_sensors_keep_their_copies() {
     let hits = run(&detector, &light, &settings(100)).hits;
     assert_eq!((hits.len(), hits.paths(), hits.copies()), (100, &["Slab[6]".to_owned()][..], &[6][..]));
     assert!(hits.position[2].iter().all(|z| (z - 100.0).abs() < 1e-12));
+}
+
+/// A border with a name of two placements acts on the first one in the file, as `G4PhysicalVolumeStore::GetVolume` finds it.
+#[test]
+fn a_border_acts_on_the_first_placement_of_its_name() {
+    let detects = r#"<opticalsurface name="S" model="unified" finish="polished" type="dielectric_metal" value="1">
+<property name="REFLECTIVITY" ref="ZERO"/><property name="EFFICIENCY" ref="ONE"/></opticalsurface>"#;
+    let links = r#"<bordersurface name="b" surfaceproperty="S"><physvolref ref="world"/><physvolref ref="slab"/></bordersurface>"#;
+    let room = r#"<volume name="Room"><materialref ref="Outer"/><solidref ref="RoomBox"/>
+<physvol name="world"><volumeref ref="World"/></physvol></volume>"#;
+    // without reflection, which would lead photons from one placement to the other
+    let inner = r#"<property name="RINDEX" ref="ONE"/>"#;
+    let text = SlabDetector { surfaces: detects, links, inner, ..CLEAR }.text();
+    let text =
+        text.replace("</solids>", r#"<box name="RoomBox" x="3000" y="3000" z="3000" lunit="mm"/></solids>"#);
+    let text = text.replace(r#"<world ref="World"/>"#, r#"<world ref="Room"/>"#);
+    let text = text.replace("<bordersurface", &format!("{room}<bordersurface"));
+    // the other placement of the name lies below the source; copy numbers do not matter
+    let other = |number: i32| {
+        format!(
+            r#"<physvol name="slab" copynumber="{number}"><volumeref ref="Slab"/><position name="q" z="-150" unit="mm"/></physvol>"#
+        )
+    };
+    let own =
+        r#"<physvol name="slab"><volumeref ref="Slab"/><position name="p" z="50" unit="mm"/></physvol>"#;
+    let own_numbered = own.replace(r#"name="slab">"#, r#"name="slab" copynumber="7">"#);
+    for (placements, up, down) in [
+        (format!("{own_numbered}{}", other(3)), 100, 0),
+        (format!("{}{own_numbered}", other(3)), 0, 100),
+        // different names, a border on one of them
+        (format!("{own_numbered}{}", other(3).replace(r#"name="slab""#, r#"name="below""#)), 100, 0),
+    ] {
+        let text = text.replace(own, &placements);
+        let detector = detector(&text).unwrap();
+        let detected = |z: f64| {
+            let run = run(&detector, &beam(100, [0.0, 0.0, z], [1.0, 0.0, 0.0]), &settings(100));
+            count(&run, End::Detected)
+        };
+        assert_eq!([detected(1.0), detected(-1.0)], [up, down], "{placements}");
+        let findings = crate::lint::findings(&text);
+        let found = findings.iter().find(|finding| finding.to_string().contains("named `slab`"));
+        match placements.contains("below") {
+            true => assert!(found.is_none(), "{findings:#?}"),
+            false => {
+                let finding = found.unwrap();
+                assert!(finding.to_string().contains(
+                    "border surface `b` acts on one of 2 placements named `slab`: it finds the first one in the file, that of volume \
+                     `Slab` in `World`, as in Geant4. Give the placements different names and each a border surface, or make the \
+                     surface the skin of `Slab`."
+                ), "{finding}");
+                assert!(finding.place.is_some());
+                assert!(detector.notes().iter().any(|note| note.contains("named `slab`")));
+            }
+        }
+    }
+}
+
+/// A row of replicas with solids of different sizes is one placement, to which a border applies as a whole.
+#[test]
+fn replicas_of_different_sizes_are_one_placement() {
+    let (scene, document) = imported(
+        r#"<gdml><define><matrix name="ONE" coldim="2" values="1*eV 1 10*eV 1"/></define>
+<materials><material name="M" Z="1"><D value="1"/><atom value="1"/><property name="RINDEX" ref="ONE"/></material></materials>
+<solids><tube name="T" rmax="30" z="10" deltaphi="360" aunit="deg" lunit="mm"/>
+<tube name="R" rmin="0" rmax="10" z="10" deltaphi="360" aunit="deg" lunit="mm"/><box name="B" x="100" y="100" z="100" lunit="mm"/>
+<opticalsurface name="S" model="unified" finish="polished" type="dielectric_metal" value="1">
+<property name="EFFICIENCY" ref="ONE"/></opticalsurface></solids>
+<structure><volume name="Ring"><materialref ref="M"/><solidref ref="R"/></volume>
+<volume name="Disc"><materialref ref="M"/><solidref ref="T"/><replicavol name="rings" number="3"><volumeref ref="Ring"/>
+<replicate_along_axis><direction rho="1"/><width value="10" unit="mm"/><offset value="0" unit="mm"/></replicate_along_axis></replicavol></volume>
+<volume name="World"><materialref ref="M"/><solidref ref="B"/><physvol name="disc"><volumeref ref="Disc"/></physvol></volume>
+<bordersurface name="b" surfaceproperty="S"><physvolref ref="disc"/><physvolref ref="rings"/></bordersurface></structure>
+<setup name="Default" version="1.0"><world ref="World"/></setup></gdml>"#,
+    );
+    let detector = rayweave_photon::Detector::new(&scene, &document).unwrap();
+    assert!(detector.notes().is_empty(), "{:?}", detector.notes());
+    assert_eq!(detector.sensor_paths().len(), 3, "{:?}", detector.sensor_paths());
+}
+
+/// Sensors are the volumes that light enters through a skin with an efficiency, not those around them.
+#[test]
+fn the_mother_of_a_sensor_is_none() {
+    let skin = r#"<skinsurface name="skin" surfaceproperty="S"><volumeref ref="Slab"/></skinsurface>"#;
+    let surfaces = r#"<opticalsurface name="S" model="unified" finish="polished" type="dielectric_metal" value="1">
+<property name="REFLECTIVITY" ref="ZERO"/><property name="EFFICIENCY" ref="ONE"/></opticalsurface>"#;
+    let names = |slab: SlabDetector<'_>| -> Vec<String> {
+        detector(&slab.text()).unwrap().sensor_paths().iter().map(|(path, _)| path.clone()).collect()
+    };
+    let slab = SlabDetector { surfaces, links: skin, ..CLEAR };
+    assert_eq!(names(slab), ["Slab"]);
+    // light of the slab itself is detected where it leaves
+    let inner =
+        r#"<property name="RINDEX" ref="GLASS"/><property name="SCINTILLATIONCOMPONENT1" ref="HALF"/>"#;
+    assert_eq!(names(SlabDetector { inner, ..slab }), ["Slab", "World"]);
+    // light comes only from the slab
+    assert_eq!(names(SlabDetector { outer: "", ..slab }), ["World"]);
+    // a skin that lets light in
+    let passing = surfaces.replace("dielectric_metal", "dielectric_dielectric").replace("ZERO", "HALF");
+    assert_eq!(names(SlabDetector { surfaces: &passing, ..slab }), ["Slab", "World"]);
 }

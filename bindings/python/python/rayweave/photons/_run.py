@@ -151,13 +151,15 @@ class Hits(_Named):
     def to_opticks(self) -> NDArray[np.float32]:
         """(N, 4, 4): the photons in the layout of Opticks' `hit.npy` (`sphoton.h`).
 
-        Rows: position and time; direction and weight; polarisation and wavelength; as integers (`view(np.uint32)`), the flag
-        SURFACE_DETECT, the number of the sensor plus 1 (24 bits) with the upper bits of the photon's number, its lower bits, and the
-        flag mask. Opticks' number of the boundary is 0.
+        Rows: position and time; direction and, as an integer, the index of the instance, which is 0; polarisation and wavelength; as
+        integers (`view(np.uint32)`), the flag SURFACE_DETECT, the number of the sensor plus 1 (24 bits) with the upper bits of the
+        photon's number, its lower bits, and the flag mask. The mask has only SURFACE_DETECT, where Opticks has the flags of all
+        steps: `Histories.sequences` has those. Opticks' number of the boundary is 0.
         """
         found = np.zeros((self.rows, 4, 4), np.float32)
         found[:, 0, :3], found[:, 0, 3] = self.position, self.time
-        found[:, 1, :3], found[:, 1, 3] = self.direction, self["weight"]
+        # the fourth number of this row is the index of the instance, an integer
+        found[:, 1, :3] = self.direction
         found[:, 2, :3], found[:, 2, 3] = self.polarisation, self.wavelength_nm
         flags = found.view(np.uint32)[:, 3]
         photon = self["photon"].astype(np.uint64)
