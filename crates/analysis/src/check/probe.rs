@@ -228,6 +228,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
             precision: 0.02,
             confidence: self.settings.confidence,
             most_rays: MOST_VOLUME_RAYS,
+            most_reached: Some(16 * MOST_VOLUME_RAYS),
             seed: self.settings.seed,
             threads: self.settings.threads,
             cancel: self.settings.cancel.clone(),
