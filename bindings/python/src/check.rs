@@ -93,6 +93,9 @@ fn row(finding: &Finding, section: Option<PySection>) -> Row {
 fn scope<'py>(py: Python<'py>, report: &CheckReport) -> PyResult<Bound<'py, PyDict>> {
     let (dict, scope) = (PyDict::new(py), &report.scope);
     dict.set_item("rays", scope.rays)?;
+    dict.set_item("cells", scope.cells)?;
+    dict.set_item("cells_in_regions", scope.cells_in_regions)?;
+    dict.set_item("reached", scope.reached)?;
     dict.set_item("chords", scope.chords)?;
     dict.set_item("edges", scope.edges)?;
     dict.set_item("edges_left_out", scope.edges_left_out)?;

@@ -31,7 +31,7 @@ type Columns<'py> = (
 /// Common and different parts of two models: see `rayweave.diff`.
 #[pyfunction]
 #[pyo3(signature = (
-    a: "Subject", b: "Subject", by, distance, cells, precision, confidence, most_rays,
+    a: "Subject", b: "Subject", by, distance, cells, precision, confidence, most_rays: "int | None",
     within: "Sequence[Sequence[float]] | None", seed, threads: "int | None"
 ))]
 #[expect(clippy::too_many_arguments, reason = "those of the function in Python")]
@@ -43,7 +43,7 @@ pub fn diff_columns<'py>(
     cells: u32,
     precision: f64,
     confidence: f64,
-    most_rays: u64,
+    most_rays: Option<u64>,
     within: Option<[[f64; 3]; 2]>,
     seed: u64,
     threads: Option<&Bound<'py, PyAny>>,
@@ -65,12 +65,13 @@ pub fn diff_columns<'py>(
         measure: MeasureSettings {
             precision,
             confidence,
-            most_rays,
             within: within.map(bounds),
             seed,
             threads: threads.map(thread_argument).transpose()?,
             cancel: cancel.clone(),
-        },
+            ..DiffSettings::default().measure
+        }
+        .with_most_rays(most_rays),
     };
     let (report, section) = interruptible(py, &cancel, || {
         let report = diff(&first, &second, AnyEvaluator::maker(None), &settings, &mut |_| ())?;

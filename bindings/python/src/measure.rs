@@ -28,7 +28,7 @@ const NUMBERS: usize = 16;
 /// Volume, area, mass and moments of the regions of a solid or a model: see `rayweave.measure`.
 #[pyfunction]
 #[pyo3(signature = (
-    subject: "Subject", precision, confidence, most_rays,
+    subject: "Subject", precision, confidence, most_rays: "int | None",
     within: "Sequence[Sequence[float]] | None", seed, evaluator, threads: "int | None"
 ))]
 #[expect(clippy::too_many_arguments, reason = "those of the function in Python")]
@@ -36,7 +36,7 @@ pub fn measure_columns<'py>(
     subject: &Bound<'py, PyAny>,
     precision: f64,
     confidence: f64,
-    most_rays: u64,
+    most_rays: Option<u64>,
     within: Option<[[f64; 3]; 2]>,
     seed: u64,
     evaluator: Option<&str>,
@@ -48,12 +48,13 @@ pub fn measure_columns<'py>(
     let settings = MeasureSettings {
         precision,
         confidence,
-        most_rays,
         within: within.map(bounds),
         seed,
         threads: threads.map(thread_argument).transpose()?,
         cancel: cancel.clone(),
-    };
+        ..MeasureSettings::default()
+    }
+    .with_most_rays(most_rays);
     let report = interruptible(py, &cancel, || {
         measure_scene(&scene, None, AnyEvaluator::maker(evaluator), &settings, &mut |_| ())
     })?;

@@ -362,9 +362,9 @@ pub struct SamplingArguments {
     pub confidence: f64,
 
     /// Trace at most this many rays for a region, or for all regions together in a model of more than 32 regions; a first round for all
-    /// regions does not count. Where a ray reaches more than 16 shapes on average, the number is divided by a 16th of that
-    #[arg(long, value_name = "N", default_value_t = 1 << 24, value_parser = whole_number)]
-    pub rays: u64,
+    /// regions does not count [default: 2^24, fewer if they would reach more than 2^25 shapes]
+    #[arg(long, value_name = "N", value_parser = whole_number)]
+    pub rays: Option<u64>,
 
     /// Seed of random numbers
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = any_count::<u64>)]

@@ -84,7 +84,9 @@ class Check(Tabular):
     findings: tuple[Finding, ...]
     unit: str
     scope: dict[str, float]
-    """Numbers of rays, of their chords in regions, and of pairs, and the lengths below which walls and gaps are reported."""
+    """Numbers of rays, of their chords in regions, and of pairs, and the lengths below which walls and gaps are reported.
+    `cells` and `cells_in_regions` are the cells along an edge of the model and of the box of each region: fewer than
+    requested where the mean number of shapes that a ray reaches, `reached`, exceeds 64."""
 
     def of(self, kind: str) -> tuple[Finding, ...]:
         """The findings of a kind."""

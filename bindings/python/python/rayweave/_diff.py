@@ -102,7 +102,7 @@ def diff(
     cells: int = 128,
     precision: float = 1e-2,
     confidence: float = 0.99,
-    most_rays: int = 1 << 20,
+    most_rays: int | None = None,
     within: Box | None = None,
     seed: int = 0,
     threads: int | None = None,
@@ -112,8 +112,8 @@ def diff(
     Lengths of the second model are converted to the unit of the first. `by` compares regions by name, media by name, or
     the whole models; by default whole models if one of them has a single region, otherwise regions. Differences up to
     `distance` (default: 1e-9 of the diagonal) are ignored. Each part is tested with 6 `cells`^2 rays; volumes are
-    measured until half the width of their interval is `precision` times the volume, with at most `most_rays` rays.
-    Equal seeds give equal results.
+    measured until half the width of their interval is `precision` times the volume, with at most `most_rays` rays
+    (default: 2^20, or fewer if they would reach more than 2^25 shapes). Equal seeds give equal results.
 
     >>> import rayweave as rw
     >>> rw.diff(rw.box(2), rw.box([2, 2, 2]), cells=16).is_same
@@ -129,7 +129,7 @@ def diff(
         whole(cells, "cells", bits=32),
         precision,
         confidence,
-        whole(most_rays, "most_rays", least=1),
+        None if most_rays is None else whole(most_rays, "most_rays", least=1),
         corners(within),
         whole(seed, "seed"),
         threads,

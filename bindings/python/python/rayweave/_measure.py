@@ -82,7 +82,7 @@ def measure(
     *,
     precision: float = 1e-3,
     confidence: float = 0.99,
-    most_rays: int = 1 << 24,
+    most_rays: int | None = None,
     within: Box | None = None,
     seed: int = 0,
     evaluator: str | None = None,
@@ -92,7 +92,8 @@ def measure(
 
     Rays are added until half the width of each volume's interval, at the level of `confidence`, is at most `precision`
     times the volume, or `most_rays` have been traced for a region, or for all regions
-    together in a model of more than 32. Parts that later regions cover do not count.
+    together in a model of more than 32. The default of `most_rays` is 2^24, or fewer if they would reach more than 2^25
+    shapes: where many shapes overlap. Parts that later regions cover do not count.
     `within` (2, 3), the corners of a box, restricts the measurement to the box. Equal seeds give equal results,
     regardless of the number of threads.
 
@@ -105,7 +106,7 @@ def measure(
         subject,
         precision,
         confidence,
-        whole(most_rays, "most_rays", least=1),
+        None if most_rays is None else whole(most_rays, "most_rays", least=1),
         corners(within),
         whole(seed, "seed"),
         evaluator,

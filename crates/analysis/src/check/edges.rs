@@ -4,6 +4,7 @@
 //! nearest to the middle of the cell is a candidate, and so are the corners of three faces. Around a point of an edge two surfaces
 //! separate four sectors: the edge points into a region if exactly one of them is not in the region. Around a corner there are eight.
 
+use super::probe::Budget;
 use super::stratum::Stratum;
 use crate::survey::Piece;
 use rayweave_math::{Bounds, Transform, Vec3};
@@ -24,6 +25,11 @@ const MAX_FACES_OF_CORNERS: usize = 9;
 
 /// The most pairs and triples of faces that are examined in a survey.
 const MAX_CANDIDATES: usize = 200_000;
+
+/// The work of a search for the common point of faces, and of finding the region of a point for each leaf that a ray reaches, in units
+/// of the work of a ray for each of these leaves.
+const WORK_OF_PAIR: u64 = 8;
+const WORK_OF_POINT: f64 = 0.125;
 
 /// Faces that meet at a smaller angle form no edge: the chords between faces find walls there. It is larger for meshes, which
 /// approximate curved faces by triangles.
@@ -281,14 +287,17 @@ fn sectors(units: &[Vec3], least_sine: f64) -> Option<Vec<Vec3>> {
     Some((0..1 << units.len()).map(direction).collect())
 }
 
-/// The edges and corners that point into a region, and the number of candidates that were left out.
+/// The edges and corners that point into a region, and the number of candidates that were left out; `leaves` is the number that a ray
+/// reaches.
 pub(super) fn features<E: Evaluator>(
     evaluator: &E,
     hits: &Hits,
     grid: &Grid,
     surfaces: &mut Surfaces<'_>,
+    (leaves, budget): (u64, &mut Budget),
     scratch: &mut E::Scratch,
 ) -> (Vec<Feature>, u64) {
+    let of_point = 1 + (WORK_OF_POINT * leaves as f64) as u64;
     let mut cells: BTreeMap<Cell, Vec<usize>> = BTreeMap::new();
     let mut cones = BTreeSet::new();
     for ((cell, _), hit) in &hits.cells {
@@ -313,14 +322,17 @@ pub(super) fn features<E: Evaluator>(
         let mut edges = Vec::new();
         for (k, &a) in near.iter().enumerate() {
             for &b in &near[k + 1..] {
-                if tried == MAX_CANDIDATES {
+                if tried == MAX_CANDIDATES || !budget.takes(WORK_OF_PAIR) {
                     left_out += 1;
                     continue;
                 }
                 tried += 1;
-                if let Some(candidate) = common(surfaces, vec![a, b], middle, grid) {
+                let Some(candidate) = common(surfaces, vec![a, b], middle, grid) else { continue };
+                if budget.takes(candidate.sectors.len() as u64 * of_point) {
                     candidates.push(candidate);
                     edges.push((a, b));
+                } else {
+                    left_out += 1;
                 }
             }
         }
@@ -333,12 +345,16 @@ pub(super) fn features<E: Evaluator>(
                 if c == a || c == b || !corners.insert(three) {
                     continue;
                 }
-                if tried == MAX_CANDIDATES {
+                if tried == MAX_CANDIDATES || !budget.takes(WORK_OF_PAIR) {
                     left_out += 1;
                     continue;
                 }
                 tried += 1;
-                candidates.extend(common(surfaces, three.to_vec(), middle, grid));
+                let Some(candidate) = common(surfaces, three.to_vec(), middle, grid) else { continue };
+                match budget.takes(candidate.sectors.len() as u64 * of_point) {
+                    true => candidates.push(candidate),
+                    false => left_out += 1,
+                }
             }
         }
     }

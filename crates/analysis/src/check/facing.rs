@@ -9,6 +9,7 @@
 //! shortest way nearby, and rays and points around it verify it.
 
 use super::edges::{Ends, FaceKey, Feature, Grid, Hits, Surfaces, features, regions_at};
+use super::probe::{Budget, IN_STARTS};
 use super::stratum::{Closest, closest};
 use crate::measure::MeasuredChord;
 use crate::survey::{Across, span_around};
@@ -25,6 +26,14 @@ const MAX_PAIRS: usize = 4096;
 
 /// The most pairs of points on edges and corners that are compared in a survey.
 const MAX_COMPARED: u64 = 20_000_000;
+
+/// The number of comparisons whose work is that of a ray for each leaf that it reaches.
+const COMPARED_PER_UNIT: u64 = 16;
+
+/// The work of a search for the shortest way from one place, and of its verification for each leaf that a ray reaches: a ray, and points
+/// around both ends.
+const WORK_OF_START: u64 = 300;
+const WORK_OF_VERIFICATION: u64 = 20;
 
 /// The cosine of the angle between a way and a normal up to which a face counts as facing it, as in [`crate::survey::Piece::wall`].
 const FACING: f64 = 0.9;
@@ -68,6 +77,8 @@ pub(super) struct Search<'p> {
     frame: Bounds,
     /// Ways longer than this do not matter, apart from the distance between neighbouring points of an edge.
     limit: f64,
+    /// The number of leaves that a ray through the model reaches.
+    leaves: u64,
     /// The number of points of edges and corners that point into a region.
     pub count: u64,
     /// The number of hits, faces, edges and pairs that were left out.
@@ -75,12 +86,13 @@ pub(super) struct Search<'p> {
 }
 
 impl<'p> Search<'p> {
-    pub fn new(program: &'p Program, frame: Bounds, limit: f64) -> Search<'p> {
+    pub fn new(program: &'p Program, frame: Bounds, limit: f64, leaves: u64) -> Search<'p> {
         Search {
             surfaces: Surfaces::new(program),
             starts: BTreeMap::new(),
             frame,
             limit,
+            leaves,
             count: 0,
             left_out: 0,
         }
@@ -94,14 +106,16 @@ impl<'p> Search<'p> {
         hits: &Hits,
         grid: &Grid,
         matters: &impl Fn(&Between) -> bool,
+        budget: &mut Budget,
         scratch: &mut E::Scratch,
     ) {
-        let (features, left_out) = features(evaluator, hits, grid, &mut self.surfaces, scratch);
+        let work = (self.leaves, &mut *budget);
+        let (features, left_out) = features(evaluator, hits, grid, &mut self.surfaces, work, scratch);
         self.count += features.len() as u64;
         self.left_out += left_out;
         let reach = 2.0 * self.limit + 3.0 * grid.size;
-        self.look(evaluator, &features, grid, reach, matters, scratch);
-        self.pair(&features, grid, reach, matters);
+        self.look(evaluator, &features, (grid, reach), matters, budget, scratch);
+        self.pair(&features, (grid, reach), matters, budget);
     }
 
     /// Follows rays from edges and corners to the opposite face.
@@ -109,15 +123,20 @@ impl<'p> Search<'p> {
         &mut self,
         evaluator: &E,
         features: &[Feature],
-        grid: &Grid,
-        reach: f64,
+        (grid, reach): (&Grid, f64),
         matters: &impl Fn(&Between) -> bool,
+        budget: &mut Budget,
         scratch: &mut E::Scratch,
     ) {
         let step = 1e-7 * self.frame.size().length();
         let (mut batch, mut of) = (RayBatch::default(), Vec::new());
         for (number, feature) in features.iter().enumerate() {
-            for outward in feature.outward() {
+            let outward = feature.outward();
+            if !budget.affords(outward.len() as u64, self.leaves) {
+                self.left_out += 1;
+                continue;
+            }
+            for outward in outward {
                 batch.push(Ray::new(feature.point - step * outward, -outward));
                 of.push(number);
             }
@@ -156,7 +175,13 @@ impl<'p> Search<'p> {
     }
 
     /// Compares edges and corners with each other.
-    fn pair(&mut self, features: &[Feature], grid: &Grid, reach: f64, matters: &impl Fn(&Between) -> bool) {
+    fn pair(
+        &mut self,
+        features: &[Feature],
+        (grid, reach): (&Grid, f64),
+        matters: &impl Fn(&Between) -> bool,
+        budget: &mut Budget,
+    ) {
         let mut order: Vec<usize> = (0..features.len()).collect();
         order.sort_by(|&a, &b| features[a].point.x.total_cmp(&features[b].point.x).then(a.cmp(&b)));
         let mut compared = 0;
@@ -167,7 +192,7 @@ impl<'p> Search<'p> {
                     break;
                 }
                 compared += 1;
-                if compared > MAX_COMPARED {
+                if compared > MAX_COMPARED || (compared % COMPARED_PER_UNIT == 0 && !budget.takes(1)) {
                     self.left_out += 1;
                     return;
                 }
@@ -224,15 +249,24 @@ impl<'p> Search<'p> {
         self.left_out += pairs.len().saturating_sub(MAX_PAIRS) as u64;
         let mut found: Vec<Facing> = Vec::new();
         let scale = self.frame.size().length();
+        let mut budget = Budget::of(IN_STARTS);
         for ((_, first, second), starts) in pairs.into_iter().take(MAX_PAIRS) {
             let strata = [self.surfaces.stratum(first), self.surfaces.stratum(second)];
             for start in starts {
+                if !budget.takes(WORK_OF_START) {
+                    self.left_out += 1;
+                    continue;
+                }
                 let Some(place) = closest(&strata, start.ends, STEP * scale) else { continue };
                 if place.distance >= limit(&start.between) {
                     continue;
                 }
                 let faces = [self.surfaces.faces(first), self.surfaces.faces(second)];
                 let Some(units) = units(&strata, place.ends) else { continue };
+                if !budget.takes(WORK_OF_VERIFICATION * self.leaves) {
+                    self.left_out += 1;
+                    continue;
+                }
                 let units = [units[0].as_slice(), units[1].as_slice()];
                 found.extend(verified(evaluator, &place, start.between, units, faces, scale, scratch));
             }

@@ -46,6 +46,8 @@ mod subject;
 mod tests;
 #[cfg(test)]
 mod wall_tests;
+#[cfg(test)]
+mod work_tests;
 
 pub use finding::{Finding, FindingKind};
 pub use hierarchy::Hierarchy;

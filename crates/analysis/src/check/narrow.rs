@@ -19,6 +19,9 @@ const MAX_SIDES: usize = 256;
 /// of the faces changes over that distance.
 const STEPS: usize = 128;
 
+/// The usual number of rays that lead to the narrowest place of a side.
+pub(super) const RAYS_PER_SIDE: u64 = 600;
+
 /// The narrowest chords in a wall or gap. They are kept separately for each side of the body, so that thick walls with rays
 /// across them do not displace thinner ones that all rays cross at a slant. The narrowest of all chords is always kept.
 #[derive(Clone, Debug, Default)]
@@ -72,15 +75,20 @@ impl Narrow {
         });
         kept.truncate(PER_SIDE);
         if self.0.len() > 2 * MAX_SIDES {
-            self.shorten();
+            self.shorten(MAX_SIDES);
         }
     }
 
-    /// Drops the sides with the widest chords; of equal ones, the last.
-    fn shorten(&mut self) {
+    /// The widths of the narrowest chord of each side.
+    pub fn widths(&self) -> impl Iterator<Item = f64> {
+        self.0.values().map(|kept| kept[0].width)
+    }
+
+    /// Drops the sides with the widest chords beyond a number; of equal ones, the last.
+    pub fn shorten(&mut self, most: usize) {
         let mut sides: Vec<(f64, Side)> = self.0.iter().map(|(side, kept)| (kept[0].width, *side)).collect();
         sides.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (_, side) in &sides[MAX_SIDES..] {
+        for (_, side) in sides.iter().skip(most) {
             self.0.remove(side);
         }
     }

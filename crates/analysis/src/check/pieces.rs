@@ -3,12 +3,13 @@
 use super::connected;
 use super::edges::{Grid, Hits};
 use super::facing::{Between, Facing, Search, touches};
-use super::narrow::{Narrow, SEARCHED};
+use super::narrow::{Narrow, RAYS_PER_SIDE, SEARCHED};
 use super::places::{Place, distinct};
-use super::probe::{FEW, Probe, leaves_of, rays_of};
+use super::probe::{Budget, FEW, IN_EDGES, Probe, leaves_of, rays_of};
 use super::subject::Subject;
 use super::{Finding, FindingKind, Scope};
 use crate::AnalysisError;
+use crate::error::Cancelled;
 use crate::survey::{Faces, Piece};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Program, RegionId};
@@ -118,6 +119,30 @@ impl Seen {
     }
 }
 
+impl Seen {
+    /// Drops the widest places of walls and gaps whose search is not affordable; returns their number.
+    fn shorten(&mut self, leaves: u64, budget: &mut Budget) -> u64 {
+        let lists = || self.thin.values().chain(self.gaps.values());
+        let mut widths: Vec<(f64, usize)> = Vec::new();
+        for (list, narrow) in lists().enumerate() {
+            widths.extend(narrow.widths().map(|width| (width, list)));
+        }
+        widths.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut most = vec![0; lists().count()];
+        let mut left_out = 0;
+        for (_, list) in widths {
+            match budget.affords(RAYS_PER_SIDE, leaves) {
+                true => most[list] += 1,
+                false => left_out += 1,
+            }
+        }
+        for (narrow, most) in self.thin.values_mut().chain(self.gaps.values_mut()).zip(most) {
+            narrow.shorten(most);
+        }
+        left_out
+    }
+}
+
 /// The estimated width of a wall or gap, if it may be below a limit.
 fn width(piece: &Piece<'_>, less_than: f64) -> Option<f64> {
     // much longer pieces run along a face; other rays cross it
@@ -146,10 +171,15 @@ pub fn findings<E: Evaluator>(
     let mut seen = Seen::default();
     let frame = probe.frame;
     let cells = Cells::new(evaluator.program(), &frame, &subject.boxes, probe.settings.across);
-    let mut search = Search::new(evaluator.program(), frame, limits[0].max(limits[1]));
+    (probe.scope.cells, probe.scope.cells_in_regions) = (cells.in_frame, cells.in_box);
+    probe.scope.reached = cells.reached;
+    let leaves = cells.reached.ceil() as u64;
+    let mut search = Search::new(evaluator.program(), frame, limits[0].max(limits[1]), leaves);
     let mut scratch = evaluator.scratch();
     let matters = |between: &Between| kind(between, &is_mother).is_some();
-    let boxes = subject.boxes.iter().map(|bounds| (bounds, cells.in_box));
+    let sampled = if cells.in_box > 0 { subject.boxes.as_slice() } else { &[] };
+    let boxes = sampled.iter().map(|bounds| (bounds, cells.in_box));
+    let [mut in_frame, mut in_boxes] = [IN_EDGES; 2].map(Budget::of);
     for (number, (bounds, across)) in std::iter::once((&frame, cells.in_frame)).chain(boxes).enumerate() {
         let grid = Grid::new(&bounds.intersection(&frame), &frame);
         let visit = |seen: &mut Seen, piece: &Piece<'_>| {
@@ -158,7 +188,15 @@ pub fn findings<E: Evaluator>(
         };
         probe.survey(&evaluator, bounds, across, visit, |some: Seen| seen.add(some, number == 0))?;
         let hits = std::mem::take(&mut seen.hits);
-        search.add(&evaluator, &hits, &grid, &matters, &mut scratch);
+        // each box may use what the ones before have left
+        let budget = match number {
+            0 => &mut in_frame,
+            _ => &mut in_boxes.part((sampled.len() + 1 - number) as u64),
+        };
+        search.add(&evaluator, &hits, &grid, &matters, budget, &mut scratch);
+        if number > 0 {
+            in_boxes.add(budget.part(1));
+        }
     }
     probe.scope.chords = seen.chords;
     let least = |between: &Between| match kind(between, &is_mother) {
@@ -178,15 +216,14 @@ pub fn findings<E: Evaluator>(
             _ => {}
         }
     }
+    cancelled(probe)?;
+    search.left_out += seen.shorten(leaves, &mut probe.in_walls);
     let mut found = walls(subject, &evaluator, &seen, &at_edges, &mut search, limits[0]);
     found.extend(gaps(subject, &evaluator, &mut seen, &at_edges, &mut search, limits[1]));
+    cancelled(probe)?;
     found.extend(contacts(subject, &seen, known, &probe.scope));
     (probe.scope.edges, probe.scope.edges_left_out) = (search.count, search.left_out);
-    for region in 0..subject.regions.len() {
-        if !seen.regions.contains(&RegionId::from(region + 1)) {
-            found.extend(unseen(subject, region, &evaluator, probe)?);
-        }
-    }
+    found.extend(missed(subject, &seen, &evaluator, probe)?);
     if subject.hierarchy.is_none() {
         let names: Vec<&str> = (0..subject.regions.len()).map(|region| subject.name(region)).collect();
         found.extend(connected::findings(&names, &evaluator, probe)?);
@@ -194,14 +231,20 @@ pub fn findings<E: Evaluator>(
     Ok(found)
 }
 
+fn cancelled<E>(probe: &Probe<'_, E>) -> Result<(), Cancelled> {
+    if probe.settings.cancel.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+}
+
 /// The numbers of cells along the edges of cross-sections: of the model, and of the box of each region.
 struct Cells {
     in_frame: u32,
     in_box: u32,
+    /// The mean number of leaves that a ray through the model reaches.
+    reached: f64,
 }
 
 /// The mean number of leaves that a ray may reach before there are fewer rays.
-const MANY_LEAVES: f64 = 256.0;
+const MANY_LEAVES: f64 = 64.0;
 
 /// The most boxes times leaves that are compared with each other to estimate the number of leaves that a ray reaches.
 const MOST_COMPARED: usize = 1 << 26;
@@ -214,7 +257,7 @@ impl Cells {
         let in_model = load.through(frame);
         // the work grows with the square of the number of cells
         let factor = |load: f64| (MANY_LEAVES / load).sqrt().min(1.0);
-        let fewer = |cells: u32, factor: f64| ((f64::from(cells) * factor) as u32).max(1);
+        let fewer = |cells: u32, factor: f64| (f64::from(cells) * factor) as u32;
         let share = (f64::from(cells) / (boxes.len() as f64).sqrt()) as u32;
         let share = share.clamp(FEW, 64);
         let loads: Vec<f64> = match boxes.len().saturating_mul(load.len()) <= MOST_COMPARED {
@@ -224,7 +267,8 @@ impl Cells {
         // the rays in boxes together may take twice as much as those through the whole model
         let all = f64::from(share).powi(2) * loads.iter().map(|load| load.max(1.0)).sum::<f64>();
         let per_ray = all / (2.0 * f64::from(cells).powi(2));
-        Cells { in_frame: fewer(cells, factor(in_model)), in_box: fewer(share, factor(per_ray)) }
+        let in_frame = fewer(cells, factor(in_model)).max(1);
+        Cells { in_frame, in_box: fewer(share, factor(per_ray)), reached: in_model }
     }
 }
 
@@ -405,6 +449,22 @@ fn nothing<E: Evaluator>(
         return Ok(None);
     }
     Ok(Some(Finding::new(FindingKind::Empty, &[name], format!("no ray found any part of {name}"))))
+}
+
+/// Reports the regions that no ray crossed.
+fn missed<E: Evaluator>(
+    subject: &Subject<'_>,
+    seen: &Seen,
+    evaluator: &E,
+    probe: &mut Probe<'_, E>,
+) -> Result<Vec<Finding>, AnalysisError> {
+    let mut found = Vec::new();
+    for region in 0..subject.regions.len() {
+        if !seen.regions.contains(&RegionId::from(region + 1)) {
+            found.extend(unseen(subject, region, evaluator, probe)?);
+        }
+    }
+    Ok(found)
 }
 
 /// Reports a region that no ray crossed.

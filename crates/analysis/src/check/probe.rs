@@ -24,6 +24,12 @@ const IN_PAIRS: [u64; 2] = [4_000_000, 2_500];
 const IN_OPERANDS: [u64; 2] = [4_000_000, 5_000];
 const IN_FINDINGS: [u64; 2] = [4_000_000, 500];
 
+/// The work of the searches for walls and gaps in the same unit: at faces, at edges with rays through the whole model and with those
+/// through the boxes of all regions, and from the places to start from. It does not grow with the number of pairs.
+const IN_WALLS: u64 = 12_000_000;
+pub const IN_EDGES: u64 = 12_000_000;
+pub const IN_STARTS: u64 = 8_000_000;
+
 /// The most rays of a volume, and their usual number, for estimates of the work.
 const MOST_VOLUME_RAYS: u64 = 1 << 16;
 pub const VOLUME_RAYS: u64 = 1 << 14;
@@ -38,6 +44,10 @@ pub struct Budget {
 }
 
 impl Budget {
+    pub fn of(work: u64) -> Budget {
+        Budget { left: work }
+    }
+
     fn new([constant, per_pair]: [u64; 2], settings: &CheckSettings) -> Budget {
         let of_pairs = per_pair.saturating_mul(settings.most_pairs as u64);
         Budget { left: of_pairs.saturating_add(constant) }
@@ -45,9 +55,26 @@ impl Budget {
 
     /// True if there is enough left for this many rays through solids with this many leaves, which then counts as done.
     pub fn affords(&mut self, rays: u64, leaves: u64) -> bool {
-        let left = self.left.checked_sub(rays.saturating_mul(leaves.saturating_add(2)));
+        self.takes(rays.saturating_mul(leaves.saturating_add(2)))
+    }
+
+    /// True if there is enough left for this work, which then counts as done.
+    pub fn takes(&mut self, work: u64) -> bool {
+        let left = self.left.checked_sub(work);
         self.left = left.unwrap_or(self.left);
         left.is_some()
+    }
+
+    /// Moves one n-th of the work that is left into another budget.
+    pub fn part(&mut self, n: u64) -> Budget {
+        let left = self.left.div_ceil(n.max(1));
+        self.left -= left;
+        Budget { left }
+    }
+
+    /// Adds what is left of another budget.
+    pub fn add(&mut self, rest: Budget) {
+        self.left = self.left.saturating_add(rest.left);
     }
 }
 
@@ -73,6 +100,8 @@ pub struct Probe<'a, E> {
     pub in_outside: Budget,
     pub in_unseen: Budget,
     pub in_findings: Budget,
+    /// The work of the searches for walls and gaps between faces.
+    pub in_walls: Budget,
 }
 
 /// The number of random streams before those of independent searches: other searches are counted from 1.
@@ -109,6 +138,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
             in_outside: Budget::new(IN_PAIRS, settings),
             in_unseen: Budget::new(IN_FINDINGS, settings),
             in_findings: Budget::new(IN_FINDINGS, settings),
+            in_walls: Budget::of(IN_WALLS),
         }
     }
 
@@ -228,6 +258,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
             precision: 0.02,
             confidence: self.settings.confidence,
             most_rays: MOST_VOLUME_RAYS,
+            most_reached: Some(16 * MOST_VOLUME_RAYS),
             seed: self.settings.seed,
             threads: self.settings.threads,
             cancel: self.settings.cancel.clone(),

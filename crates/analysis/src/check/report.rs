@@ -21,13 +21,20 @@ pub struct CheckReport {
 pub struct Scope {
     /// The number of rays.
     pub rays: u64,
+    /// The number of cells along an edge of the cross-sections of the model: that of the settings, or fewer where many shapes overlap.
+    pub cells: u32,
+    /// The number of cells along an edge of the cross-sections of the box of each region; 0 if so many shapes overlap that no rays go
+    /// through single regions.
+    pub cells_in_regions: u32,
+    /// The mean number of shapes that a ray through the model reaches, by their boxes.
+    pub reached: f64,
     /// The number of chords that rays through the whole model and through single regions have in the regions. Their walls were
     /// compared with [`wall`](Self::wall).
     pub chords: u64,
     /// The number of points on edges and at corners, found where rays hit different faces near each other, from which walls and gaps
     /// were searched. Edges that point out of a region are not counted.
     pub edges: u64,
-    /// Faces, edges and pairs of them beyond the limits, from which no walls and gaps were searched.
+    /// Faces, edges, pairs of them and narrow places beyond the limits, from which no walls and gaps were searched.
     pub edges_left_out: u64,
     /// Walls thinner than this are reported.
     pub wall: f64,

@@ -54,6 +54,8 @@ pub struct Measurement {
     pub regions: Vec<Measured>,
     /// The number of all rays.
     pub rays: u64,
+    /// The maximum number of rays, without the first round: that of the settings, or fewer where many shapes overlap.
+    pub most_rays: u64,
 }
 
 impl Measurement {

@@ -23,9 +23,6 @@ pub(super) const FIRST_ACROSS: u64 = 48;
 /// The number of regions above which rays are shared: see [`measure`].
 pub(super) const MAX_ALONE: usize = 32;
 
-/// The mean number of leaves that a ray reaches, above which fewer rays are traced.
-const FEW_LEAVES: f64 = 16.0;
-
 /// The options of a measurement.
 #[derive(Clone, Debug)]
 pub struct MeasureSettings {
@@ -34,9 +31,11 @@ pub struct MeasureSettings {
     /// The level of confidence of all intervals: from 0.5, below 1.
     pub confidence: f64,
     /// The maximum number of rays, excluding the first round, which serves all regions: per region, and of all rays together in a
-    /// model of more than 32 regions. Where a ray reaches more than 16 shapes on average, by their boxes, it is divided by a
-    /// 16th of that number.
+    /// model of more than 32 regions.
     pub most_rays: u64,
+    /// The maximum number of shapes that these rays reach, by the boxes of the shapes: where many shapes overlap, it limits the number
+    /// of rays further. `None` for no such limit.
+    pub most_reached: Option<u64>,
     /// Restricts the measurement to this box; the faces of the box do not count as boundary.
     pub within: Option<Bounds>,
     /// The seed of the random numbers: equal seeds give equal results.
@@ -47,17 +46,29 @@ pub struct MeasureSettings {
     pub cancel: Cancel,
 }
 
-/// A precision of 1e-3 at 99 %, with at most 2^24 rays per region.
+/// A precision of 1e-3 at 99 %, with at most 2^24 rays per region that reach at most 2^25 shapes.
 impl Default for MeasureSettings {
     fn default() -> Self {
         MeasureSettings {
             precision: 1e-3,
             confidence: 0.99,
             most_rays: 1 << 24,
+            most_reached: Some(1 << 25),
             within: None,
             seed: 0,
             threads: None,
             cancel: Cancel::new(),
+        }
+    }
+}
+
+impl MeasureSettings {
+    /// The settings with another maximum number of rays, which holds regardless of the shapes that they reach; without one, the
+    /// settings as they are.
+    pub fn with_most_rays(self, most_rays: Option<u64>) -> MeasureSettings {
+        match most_rays {
+            Some(most_rays) => MeasureSettings { most_rays, most_reached: None, ..self },
+            None => self,
         }
     }
 }
@@ -117,7 +128,7 @@ pub fn measure_with_progress<E: Evaluator>(
     let count = program.regions().len();
     let reached = vec![f64::INFINITY; count];
     let (boxes, whole) = boxes_of(program, settings)?;
-    let most_rays = affordable(program, &whole, settings.most_rays);
+    let most_rays = most_rays(program, &whole, settings);
     let mut run = Run { evaluator, settings, most_rays, progress, quantile, traced: 0, streams: 0, reached };
     let mut results = vec![Joined::default(); count];
     if !whole.is_empty() {
@@ -146,16 +157,13 @@ pub fn measure_with_progress<E: Evaluator>(
             Some(_) => found,
         });
     }
-    Ok(Measurement { regions, rays: run.traced })
+    Ok(Measurement { regions, rays: run.traced, most_rays })
 }
 
-/// The number of rays that take the work of `most_rays` rays through a simple model.
-fn affordable(program: &Program, whole: &Bounds, most_rays: u64) -> u64 {
-    let load = program.ray_load().through(whole);
-    match load > FEW_LEAVES {
-        true => (most_rays as f64 * (FEW_LEAVES / load)) as u64,
-        false => most_rays,
-    }
+/// The maximum number of rays through a box that both limits of the settings allow.
+fn most_rays(program: &Program, whole: &Bounds, settings: &MeasureSettings) -> u64 {
+    let of_reached = |most: u64| (most as f64 / program.ray_load().through(whole).max(1.0)) as u64;
+    settings.most_reached.map_or(u64::MAX, of_reached).min(settings.most_rays)
 }
 
 /// The bounds for a region that no ray through its box crosses.
@@ -250,7 +258,7 @@ impl Joined {
 struct Run<'a, E> {
     evaluator: &'a E,
     settings: &'a MeasureSettings,
-    /// The maximum number of rays: see [`MeasureSettings::most_rays`].
+    /// The maximum number of rays, by both limits of the settings.
     most_rays: u64,
     progress: &'a mut dyn FnMut(MeasureProgress),
     quantile: f64,

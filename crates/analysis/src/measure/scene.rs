@@ -24,6 +24,8 @@ pub struct SceneReport {
     pub regions: Vec<RegionReport>,
     /// The number of rays.
     pub rays: u64,
+    /// The maximum number of rays that applied: see [`Measurement::most_rays`].
+    pub most_rays: u64,
 }
 
 /// The measurements of one region.
@@ -165,7 +167,7 @@ fn measured_scene<E: Evaluator, X: Classified + Send + Sync + 'static>(
             measured,
         }
     });
-    Ok(SceneReport { regions: reports.collect(), rays: found.rays })
+    Ok(SceneReport { regions: reports.collect(), rays: found.rays, most_rays: found.most_rays })
 }
 
 fn grams(volume: Estimate, density: f64, centimetres: f64) -> Estimate {

@@ -142,7 +142,7 @@ impl Sums {
 
 impl MeasureShare {
     /// Measures all regions with about `rays` rays, of which only the cells of a range are traced. `settings.precision` and
-    /// `settings.most_rays` have no effect. `progress` receives the number of rays so far.
+    /// the limits of `settings` have no effect. `progress` receives the number of rays so far.
     ///
     /// # Errors
     ///
@@ -247,7 +247,7 @@ impl MeasureShare {
             }
         };
         let regions = program.regions().iter().enumerate().map(region).collect();
-        Ok(Measurement { regions, rays })
+        Ok(Measurement { regions, rays, most_rays: rays })
     }
 
     /// The share as text: a header, and a line for each axis and region with the ends of the longest chord and the sums, which are

@@ -288,3 +288,21 @@ fn shares_of_thin_shells_have_intervals() {
         assert!((0.5..2.0).contains(&ratio), "{thickness}: {ratio}");
     }
 }
+
+/// A given number of rays holds where many shapes overlap; the automatic number shrinks with the number of shapes that a ray reaches.
+#[test]
+fn given_numbers_of_rays_hold_where_shapes_overlap() {
+    let balls = Solid::union((0..64).map(|k| sphere(1.0).translate(1e-3 * k as f64 * Vec3::X)));
+    let first = 6 * super::run::FIRST_ACROSS * super::run::FIRST_ACROSS;
+    let limited = MeasureSettings {
+        precision: 1e-9,
+        most_rays: 40_000,
+        most_reached: Some(640_000),
+        ..MeasureSettings::default()
+    };
+    let rays = |settings: &MeasureSettings| one(&balls, settings).rays - first;
+    let few = rays(&limited);
+    assert!((9_000..=10_600).contains(&few), "{few}");
+    let all = rays(&limited.with_most_rays(Some(40_000)));
+    assert!((39_000..=40_000).contains(&all), "{all}");
+}

@@ -58,16 +58,21 @@ impl Lines {
         (self.open, self.last) = (next, scan_line.clone());
     }
 
-    /// Pairs crossings of two scan lines between the same regions within `reach`, in order.
+    /// Pairs crossings of two scan lines between the same regions within `reach`, in order: first those through the same surface, then
+    /// others between these. Both ends of a thin part may be nearer to each other than the reach.
     fn paired(&self, left: &[ScanCrossing], right: &[ScanCrossing]) -> Vec<(usize, usize)> {
-        let (mut pairs, mut from) = (Vec::new(), 0);
-        for (k, pass) in left.iter().enumerate() {
-            let is_same = |other: &ScanCrossing| (other.before, other.after) == (pass.before, pass.after);
-            let near = |other: &&ScanCrossing| is_same(other) && (other.v - pass.v).abs() <= self.reach;
-            if let Some(j) = (from..right.len()).find(|&j| near(&&right[j])) {
+        let is_near = |a: &ScanCrossing, b: &ScanCrossing| (b.v - a.v).abs() <= self.reach;
+        let same_surface = in_order(left, right, |a, b| is_near(a, b) && a.is_like(b));
+        let is_same = |a: &ScanCrossing, b: &ScanCrossing| (a.before, a.after) == (b.before, b.after);
+        let (mut pairs, mut from) = (Vec::with_capacity(same_surface.len()), (0, 0));
+        for (k, j) in same_surface.into_iter().chain([(left.len(), right.len())]) {
+            let between =
+                in_order(&left[from.0..k], &right[from.1..j], |a, b| is_near(a, b) && is_same(a, b));
+            pairs.extend(between.into_iter().map(|(a, b)| (from.0 + a, from.1 + b)));
+            if k < left.len() {
                 pairs.push((k, j));
-                from = j + 1;
             }
+            from = (k + 1, j + 1);
         }
         pairs
     }
@@ -81,6 +86,22 @@ impl Lines {
         }
         walls(u, &passes, &[], edges);
     }
+}
+
+/// Pairs items of two lists, in their order: each with the first one that fits.
+fn in_order(
+    left: &[ScanCrossing],
+    right: &[ScanCrossing],
+    fits: impl Fn(&ScanCrossing, &ScanCrossing) -> bool,
+) -> Vec<(usize, usize)> {
+    let (mut pairs, mut from) = (Vec::new(), 0);
+    for (k, pass) in left.iter().enumerate() {
+        if let Some(j) = (from..right.len()).find(|&j| fits(pass, &right[j])) {
+            pairs.push((k, j));
+            from = j + 1;
+        }
+    }
+    pairs
 }
 
 /// Ends a line at a wall.

@@ -1,9 +1,10 @@
 //! Scan lines: the parallel rays that sweep a plane, refined where neighbours differ.
 
+use super::events::Corners;
 use super::{Cut, SectionError, SectionRun, SectionWindow};
 use rayweave_model::drive::{Stopped, drive, thread_count};
 use rayweave_model::memory::Growth;
-use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId, Window};
+use rayweave_model::{Evaluator, Face, Query, RayAnswer, RayBatch, RegionId, Window};
 use rayweave_shape::Ray;
 
 /// A crossing of a scan line from one region into another.
@@ -13,14 +14,16 @@ pub struct ScanCrossing {
     pub v: f64,
     pub before: RegionId,
     pub after: RegionId,
-    /// The leaf and the facet; `None` at the ends of the window.
-    face: Option<(u32, u32)>,
+    /// The face; `None` at the ends of the window.
+    pub face: Option<Face>,
 }
 
 impl ScanCrossing {
-    /// True for crossings between the same regions through the same face.
-    fn is_like(&self, other: &ScanCrossing) -> bool {
-        (self.before, self.after, self.face) == (other.before, other.after, other.face)
+    /// True for crossings between the same regions through the same surface.
+    pub fn is_like(&self, other: &ScanCrossing) -> bool {
+        // an edge of an outline may consist of several faces, in one surface
+        let face = |own: &ScanCrossing| own.face.map(|face| (face.surface, face.placement));
+        (self.before, self.after, face(self)) == (other.before, other.after, face(other))
     }
 }
 
@@ -141,22 +144,47 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         places
     }
 
-    /// Traces the middle of every undecided gap; false if there is none.
+    /// Traces the middle of every undecided gap, or scan lines on both sides of the corners in it; false if there is none.
     fn halve(&mut self, row: &mut Vec<Placed>) -> Result<bool, SectionError> {
         let is_open = |pair: &[Placed]| pair[0].gap == Gap::Unknown;
-        let middle = |pair: &[Placed]| 0.5 * (pair[0].scan_line.u + pair[1].scan_line.u);
-        let places: Vec<f64> = row.windows(2).filter(|pair| is_open(pair)).map(middle).collect();
-        if places.is_empty() {
+        let narrow = self.window.tolerance.min(self.finest);
+        let size = [self.window.lo, self.window.hi]
+            .as_flattened()
+            .iter()
+            .fold(0.0, |size: f64, x| size.max(x.abs()));
+        let corners = Corners { program: self.evaluator.program(), cut: self.cut, narrow, size };
+        let within = |pair: &[Placed]| {
+            let corners = corners.between(&pair[0].scan_line, &pair[1].scan_line);
+            match corners.is_empty() {
+                true => vec![0.5 * (pair[0].scan_line.u + pair[1].scan_line.u)],
+                false => corners,
+            }
+        };
+        let inserted: Vec<Vec<f64>> = row.windows(2).filter(|pair| is_open(pair)).map(within).collect();
+        if inserted.is_empty() {
             return Ok(false);
         }
-        let mut middles = self.trace_scan_lines(&places)?.into_iter();
+        let mut traced = self.trace_scan_lines(&inserted.concat())?.into_iter();
+        let mut inserted = inserted.into_iter();
         let old = std::mem::take(row);
         let mut old = old.into_iter().peekable();
         while let Some(mut left) = old.next() {
             let open = left.gap == Gap::Unknown;
-            let Some((right, scan_line)) =
-                old.peek().filter(|_| open).and_then(|right| Some((right, middles.next()?)))
-            else {
+            let of_gap = old.peek().filter(|_| open).and_then(|right| Some((right, inserted.next()?)));
+            let Some((right, places)) = of_gap else {
+                row.push(left);
+                continue;
+            };
+            if places.len() > 1 {
+                row.push(left);
+                // pairs of scan lines, one on each side of a corner
+                for (k, scan_line) in traced.by_ref().take(places.len()).enumerate() {
+                    let gap = if k % 2 == 0 { Gap::Jump } else { Gap::Unknown };
+                    row.push(Placed { scan_line, gap });
+                }
+                continue;
+            }
+            let Some(scan_line) = traced.next() else {
                 row.push(left);
                 continue;
             };
@@ -252,7 +280,7 @@ fn scan_line(u: f64, [lo, hi]: [f64; 2], answer: &RayAnswer<'_>) -> ScanLine {
         v: crossing.t,
         before: crossing.before,
         after: crossing.after,
-        face: Some((crossing.face.leaf.0, crossing.face.facet)),
+        face: Some(crossing.face),
     }));
     let last = passes.last().map_or(world, |pass: &ScanCrossing| pass.after);
     passes.extend((last != world).then(|| end(hi, last, world)));

@@ -3,9 +3,12 @@
 use super::*;
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::{Bounds, Vec3};
+use rayweave_model::{Evaluator, Program, Query, Rays, RegionId, Sink};
 use rayweave_scene::Scene;
-use rayweave_trace::AnyEvaluator;
+use rayweave_trace::{AnyEvaluator, Packets};
 use std::f64::consts::PI;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 fn scene(text: &str) -> Scene {
     rayweave_scene::parse(&format!("rayweave = 1\n{text}")).unwrap().1
@@ -212,4 +215,68 @@ fn refusals() {
         &mut |_| (),
     );
     assert!(none.unwrap_err().to_string().contains("Did you mean `ball`?"));
+}
+
+/// A prism over a star with corners at radius 10 and 20 in turn, 1 high.
+fn star(corners: usize) -> String {
+    let corner = |k: usize| {
+        let angle = 2.0 * PI * (k as f64 + 0.3) / corners as f64;
+        let radius = if k.is_multiple_of(2) { 10.0 } else { 20.0 };
+        format!("[{:?}, {:?}]", radius * angle.cos(), radius * angle.sin())
+    };
+    let all: Vec<String> = (0..corners).map(corner).collect();
+    format!("[solid.star]\nextrude = {{ outline = [{}], height = 1 }}", all.join(", "))
+}
+
+/// The area of a star is a sum of triangles: 1/2 r R sin(2 pi / n) for each corner. Its corners are exact, and each takes a few scan
+/// lines instead of some seventy.
+#[test]
+fn corners_of_a_star_take_few_scan_lines() {
+    let n = 1000;
+    let scene = scene(&star(n));
+    let program = Arc::new(Program::compile_regions(&scene.model_regions()).unwrap());
+    let evaluator = Counted { inner: Packets::new(program), rays: AtomicU64::new(0) };
+    let plane = "z=0.25".parse::<SectionPlane>().unwrap().cut().unwrap();
+    let found = section(&evaluator, &plane, &SectionWindow::new([-21.0; 2], [21.0; 2])).unwrap();
+    let area = 0.5 * n as f64 * 200.0 * (2.0 * PI / n as f64).sin();
+    let own = found.area(RegionId(1));
+    assert!((own - area).abs() < 1e-9 * area, "{own} {area}");
+    assert_eq!(found.contours(RegionId(1)).len(), 1);
+    // a tolerance of the width of the spikes: their sides are not confused
+    let coarse = SectionWindow { tolerance: 0.02, ..SectionWindow::new([-21.0; 2], [21.0; 2]) };
+    let rays = evaluator.rays.load(Ordering::Relaxed);
+    let own = section(&evaluator, &plane, &coarse).unwrap().area(RegionId(1));
+    assert!((own - area).abs() < 1e-9 * area, "{own} {area}");
+    assert!(rays < 15 * n as u64, "{rays}");
+}
+
+/// An evaluator that counts rays.
+struct Counted {
+    inner: Packets,
+    rays: AtomicU64,
+}
+
+impl Evaluator for Counted {
+    type Scratch = <Packets as Evaluator>::Scratch;
+
+    fn name(&self) -> &'static str {
+        "counted"
+    }
+
+    fn program(&self) -> &Program {
+        self.inner.program()
+    }
+
+    fn scratch(&self) -> Self::Scratch {
+        self.inner.scratch()
+    }
+
+    fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut Self::Scratch, sink: &mut dyn Sink) {
+        self.rays.fetch_add(rays.len() as u64, Ordering::Relaxed);
+        self.inner.crossings(rays, query, scratch, sink);
+    }
+
+    fn regions_at(&self, points: [&[f64]; 3], scratch: &mut Self::Scratch, out: &mut [RegionId]) {
+        self.inner.regions_at(points, scratch, out);
+    }
 }

@@ -70,7 +70,7 @@ pub struct Check {
     #[command(flatten)]
     within: WithinArguments,
 
-    /// Cells along each edge of a cross-section of the model; each cell gets one ray
+    /// Cells along each edge of a cross-section of the model; each cell gets one ray. Fewer where a ray reaches more than 64 shapes on average
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = crate::arguments::count::<u32, 2, 4096>)]
     cells: u32,
 
@@ -244,7 +244,7 @@ impl Check {
             .map(|(kind, name)| format!("{name} {}", of(*kind)))
             .collect();
         let found = if counts.is_empty() { "nothing found".to_owned() } else { counts.join(", ") };
-        let mut text = format!("{model}: {found}; lengths in {unit}\n{}", scope(report));
+        let mut text = format!("{model}: {found}; lengths in {unit}\n{}", scope(report, self.cells));
         for (kind, name) in FindingKind::ALL {
             let mut printed = 0;
             for (number, (finding, count)) in grouped(report.of(kind)).into_iter().enumerate() {
@@ -275,6 +275,9 @@ impl Check {
             "findings": report.findings.iter().map(finding_json).collect::<Vec<_>>(),
             "scope": {
                 "rays": scope.rays,
+                "cells": scope.cells,
+                "cells_in_regions": scope.cells_in_regions,
+                "reached": scope.reached,
                 "chords": scope.chords,
                 "edges": scope.edges,
                 "edges_left_out": scope.edges_left_out,
@@ -389,8 +392,8 @@ pub fn read_check_share(path: &Path) -> Result<CheckShare, Failure> {
         .ok_or_else(|| Failure::Input(format!("{} has no results of searches.", path.display())))
 }
 
-/// Scope of the check: proved and sampled parts.
-fn scope(report: &CheckReport) -> String {
+/// Scope of the check with a number of cells: proved and sampled parts.
+fn scope(report: &CheckReport, cells: u32) -> String {
     let scope = &report.scope;
     let short = terminal::short3;
     let (rays, pairs, operands) = (scope.rays, scope.pairs, scope.operands);
@@ -415,13 +418,21 @@ fn scope(report: &CheckReport) -> String {
             scope.chords, scope.edges
         );
     }
+    if scope.cells < cells {
+        let (fewer, reached) = (scope.cells, scope.reached.round());
+        let single = if scope.cells_in_regions == 0 { ", and no rays through single regions" } else { "" };
+        text += &format!(
+            "fewer rays, since a ray reaches {reached} shapes on average: {fewer} of {cells} cells along an edge of the model{single}; \
+             --within checks a part\n"
+        );
+    }
     if scope.left_out + scope.operands_left_out > 0 {
         let (pairs, operands) = (scope.left_out, scope.operands_left_out);
         text += &format!("not examined: {pairs} pairs of parts, {operands} operands (see --pairs)\n");
     }
     if scope.edges_left_out > 0 {
         text += &format!(
-            "not searched for walls and gaps: {} faces, edges or pairs of edges\n",
+            "not searched for walls and gaps: {} faces, edges, pairs of edges or narrow places\n",
             scope.edges_left_out
         );
     }

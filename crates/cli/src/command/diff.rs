@@ -74,9 +74,9 @@ pub struct Diff {
     #[arg(long, value_name = "C", default_value_t = 0.99)]
     confidence: f64,
 
-    /// Trace at most this many rays for a volume
-    #[arg(long, value_name = "N", default_value_t = 1 << 20, value_parser = crate::arguments::any_count::<u64>)]
-    rays: u64,
+    /// Trace at most this many rays for a volume [default: 2^20, fewer if they would reach more than 2^25 shapes]
+    #[arg(long, value_name = "N", value_parser = crate::arguments::any_count::<u64>)]
+    rays: Option<u64>,
 
     /// Seed of random numbers
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = crate::arguments::any_count::<u64>)]
@@ -173,12 +173,13 @@ impl Diff {
             measure: measure::MeasureSettings {
                 precision: self.precision,
                 confidence: self.confidence,
-                most_rays: self.rays,
                 within: self.within.bounds(),
                 seed: self.seed,
                 threads: global.threads,
                 cancel: interrupt::token(),
-            },
+                ..DiffSettings::default().measure
+            }
+            .with_most_rays(self.rays),
         })
     }
 

@@ -67,12 +67,13 @@ impl Volume {
         let settings = MeasureSettings {
             precision: self.sampling.precision,
             confidence: self.sampling.confidence,
-            most_rays: self.sampling.rays,
             within: self.within.bounds(),
             seed: self.sampling.seed,
             threads: global.threads,
             cancel: interrupt::token(),
-        };
+            ..MeasureSettings::default()
+        }
+        .with_most_rays(self.sampling.rays);
         if self.part.range.is_some() {
             return self.write_part(&scene, &settings, global);
         }
@@ -120,9 +121,14 @@ impl Volume {
         }
         if !imprecise.is_empty() {
             let (names, most) = (listed(&imprecise), self.total.unwrap_or(traced));
-            let option = if self.total.is_some() { "--total" } else { "--rays" };
+            let is_lower = self.total.is_none() && report.most_rays < settings.most_rays;
+            let reason = match (is_lower, self.total) {
+                (true, _) => "; the limit is low because many shapes overlap. --rays sets another.",
+                (false, Some(_)) => ". See --total.",
+                (false, None) => ". See --rays.",
+            };
             terminal::note(&format!(
-                "note: {names}: the requested precision is not reached after {most} rays. See {option}."
+                "note: {names}: the requested precision is not reached after {most} rays{reason}"
             ));
         }
         Ok(())

@@ -1,0 +1,105 @@
+//! Corners between two scan lines, from the planes of the faces that they cross.
+
+use super::Cut;
+use super::scan_lines::{ScanCrossing, ScanLine};
+use rayweave_math::{Transform, UNIT_ROUNDOFF};
+use rayweave_model::{Face, Program};
+use rayweave_shape::surface::Surface;
+
+/// Corners are computed between scan lines with at least this number of crossings together: shorter ones are halved at little cost.
+const LONG: usize = 32;
+
+/// The number of crossings that are compared to find where two scan lines agree again.
+const AHEAD: usize = 8;
+
+/// The distance of crossings that are not welded, and the largest distance of scan lines from a corner, relative to the coordinates.
+const WELDED: f64 = 4096.0 * UNIT_ROUNDOFF;
+const FARTHEST: f64 = 1e-9;
+
+/// The most corners for each gap; further ones are found in the gaps between them.
+const MAX_CORNERS: usize = 256;
+
+/// Finds corners of a section.
+pub struct Corners<'a> {
+    pub program: &'a Program,
+    pub cut: &'a Cut,
+    /// Half the largest width of a gap that is not divided further.
+    pub narrow: f64,
+    /// The largest coordinate.
+    pub size: f64,
+}
+
+/// The intersection `a u + b v = c` of a flat face with the plane of the section.
+type Line = [f64; 3];
+
+impl Corners<'_> {
+    /// Positions on both sides of each corner at which faces of two scan lines meet, in ascending order. They divide the gap between
+    /// the scan lines into narrow gaps around the corners and wide ones between them. A corner may be missing, or a position may have
+    /// no corner.
+    pub fn between(&self, left: &ScanLine, right: &ScanLine) -> Vec<f64> {
+        if left.passes.len() + right.passes.len() < LONG || right.u - left.u < 64.0 * self.narrow {
+            return Vec::new();
+        }
+        let mut found = Vec::new();
+        for [a, b] in differences(&left.passes, &right.passes) {
+            let meeting = |pair: &[ScanCrossing]| [pair[0], pair[1]];
+            let ends = a.iter().zip(b).chain(a.iter().rev().zip(b.iter().rev()));
+            let pairs = a.windows(2).map(meeting).chain(b.windows(2).map(meeting));
+            let pairs = pairs.chain(ends.map(|(a, b)| [*a, *b]));
+            found.extend(pairs.filter_map(|[a, b]| self.corner(a.face?, b.face?)));
+        }
+        found.retain(|[from, to]| left.u < *from && *to < right.u);
+        found.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut apart: Vec<[f64; 2]> = Vec::new();
+        for [from, to] in found {
+            match apart.last_mut().filter(|last| from <= last[1]) {
+                Some(last) => last[1] = last[1].max(to),
+                None => apart.push([from, to]),
+            }
+        }
+        apart.truncate(MAX_CORNERS);
+        apart.into_flattened()
+    }
+
+    /// The coordinates across the scan lines on both sides of the corner of two flat faces, far enough from it for crossings that
+    /// rounding does not weld.
+    fn corner(&self, one: Face, two: Face) -> Option<[f64; 2]> {
+        let [[a, b, c], [d, e, f]] = [self.line(one)?, self.line(two)?];
+        let determinant = a * e - b * d;
+        let u = (c * e - b * f) / determinant;
+        let apart = determinant / (b * e);
+        let aside = self.narrow.max(WELDED * self.size / apart.abs());
+        (u.is_finite() && aside <= FARTHEST * self.size).then_some([u - aside, u + aside])
+    }
+
+    fn line(&self, face: Face) -> Option<Line> {
+        let own = &self.program.surface(face.surface).surface;
+        let map = self.program.placement(face.placement).0;
+        let Surface::Plane(plane) = own.transformed(&Transform::from_affine(map).ok()?) else { return None };
+        let [origin, u, v] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|place| self.cut.point(place));
+        let normal = plane.normal;
+        Some([normal.dot(u - origin), normal.dot(v - origin), plane.offset - normal.dot(origin)])
+    }
+}
+
+/// The parts of two lists of crossings that differ.
+fn differences<'a>(left: &'a [ScanCrossing], right: &'a [ScanCrossing]) -> Vec<[&'a [ScanCrossing]; 2]> {
+    let (mut found, mut i, mut j) = (Vec::new(), 0, 0);
+    while i < left.len() || j < right.len() {
+        if i < left.len() && j < right.len() && left[i].is_like(&right[j]) {
+            (i, j) = (i + 1, j + 1);
+            continue;
+        }
+        let is_next = |a: usize, b: usize| match (left.get(i + a), right.get(j + b)) {
+            (Some(one), Some(two)) => one.is_like(two),
+            (None, None) => true,
+            _ => false,
+        };
+        let ahead = (1..=AHEAD).flat_map(|sum| (0..=sum).map(move |a| (a, sum - a)));
+        let (a, b) = ahead.into_iter().find(|&(a, b)| is_next(a, b)).unwrap_or((AHEAD, AHEAD));
+        let ends = [(i + a).min(left.len()), (j + b).min(right.len())];
+        found.push([&left[i.min(ends[0])..ends[0]], &right[j.min(ends[1])..ends[1]]]);
+        [i, j] = ends;
+    }
+    found
+}
