@@ -19,7 +19,9 @@ pub(crate) fn subject<'a>(
     };
     let solid = scene.find_solid(name)?;
     let last = scene.regions.iter().rev().find(|region| region.solid.is_same(solid));
-    let region = Region { name: name.to_owned(), solid: solid.clone(), medium: 1 };
+    // a solid that is no region has no medium: a number that the scene does not have
+    let medium_number = last.map_or(u32::MAX, |region| region.medium);
+    let region = Region { name: name.to_owned(), solid: solid.clone(), medium: medium_number };
     Ok((vec![region], vec![last.and_then(|region| medium(region.medium))]))
 }
 

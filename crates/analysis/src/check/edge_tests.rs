@@ -217,6 +217,26 @@ fn contacts_have_a_point() {
     assert!(touch.ray.is_none() && (touch.at.unwrap().z - 13.0).abs() < 1e-12, "{touch:?}");
 }
 
+/// A contact is reported although the box of one part is inside that of the other; a part inside another touches nothing.
+#[test]
+fn parts_in_the_box_of_another_touch_it() {
+    let report = |text: &str| checked(text, &with(0.0, 0.0));
+    let pin = "[solid.pin]\ncylinder = { radius = 6, height = 10 }\n\
+        [solid.ring]\ntube = { inner_radius = 6, outer_radius = 12, height = 20 }\n\
+        [[region]]\nsolid = \"pin\"\n[[region]]\nsolid = \"ring\"";
+    let found = report(pin);
+    let touch = found.of(FindingKind::Touch).next().unwrap();
+    let area = 2.0 * std::f64::consts::PI * 6.0 * 10.0;
+    assert!((touch.area.unwrap() - area).abs() < 0.05 * area, "{touch:?}");
+    let core = pin.replace(
+        "[solid.ring]\ntube = { inner_radius = 6, outer_radius",
+        "[solid.ring]\ncylinder = { radius",
+    );
+    let swapped =
+        core.replace("\"pin\"\n[[region]]\nsolid = \"ring\"", "\"ring\"\n[[region]]\nsolid = \"pin\"");
+    assert_eq!(report(&swapped).findings, []);
+}
+
 #[test]
 fn the_same_walls_at_edges_on_any_number_of_threads() {
     let on = |threads: usize| {

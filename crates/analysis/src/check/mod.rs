@@ -213,9 +213,12 @@ fn report<E: Evaluator>(
 ) -> Result<CheckReport, AnalysisError> {
     probe.scope.has_hierarchy = hierarchy.is_some();
     let subject = model.subject(hierarchy);
-    let mut findings = pairs::overlaps(&subject, probe)?;
-    findings.extend(pairs::outside(&subject, probe)?);
-    findings.extend(pieces::findings(&subject, model.program.clone(), &findings, probe)?);
+    let known = pairs::intersecting(&subject, probe)?;
+    let outside = pairs::outside(&subject, probe)?;
+    let pieces = pieces::findings(&subject, model.program.clone(), &known, probe)?;
+    let mut findings = known.overlaps;
+    findings.extend(outside);
+    findings.extend(pieces);
     findings.extend(operands::findings(&model.written, probe)?);
     findings.sort_by_key(|finding| finding.kind);
     Ok(CheckReport { unit: scene.unit, findings, scope: probe.scope.clone() })

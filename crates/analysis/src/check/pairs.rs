@@ -8,7 +8,7 @@ use super::{Finding, FindingKind};
 use crate::AnalysisError;
 use rayweave_math::Bounds;
 use rayweave_model::{Evaluator, Program, Solid};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 /// The intersection of two regions.
@@ -23,13 +23,21 @@ struct Common {
 /// The maximum number of pairs of parts of two regions whose volumes are added; further pairs are only counted.
 const MAX_SOLIDS: usize = 1024;
 
-/// Overlaps of two regions neither of which is inside the other.
-pub fn overlaps<E: Evaluator>(
+/// Intersecting pairs of regions.
+pub struct Intersecting {
+    /// Overlaps of two regions neither of which is inside the other.
+    pub overlaps: Vec<Finding>,
+    /// Pairs, the smaller number first, one of which is inside the other.
+    pub nested: HashSet<(usize, usize)>,
+}
+
+/// The pairs of regions that intersect.
+pub fn intersecting<E: Evaluator>(
     subject: &Subject<'_>,
     probe: &mut Probe<'_, E>,
-) -> Result<Vec<Finding>, AnalysisError> {
+) -> Result<Intersecting, AnalysisError> {
     let parts = parts(subject.regions, &subject.boxes)?;
-    let mut findings = Vec::new();
+    let mut found = Intersecting { overlaps: Vec::new(), nested: HashSet::new() };
     for ((a, b), common) in common(subject, &parts, probe)? {
         let leaves = [a, b].map(|region| leaves_of(&subject.regions[region].solid));
         let leaves = leaves[0].saturating_add(leaves[1]);
@@ -37,14 +45,16 @@ pub fn overlaps<E: Evaluator>(
             probe.scope.left_out += 1;
             continue;
         }
-        if a == b || !is_nested(subject, a, b, probe)? {
-            findings.push(overlap(subject, a, b, &common, probe)?);
+        if a != b && is_nested(subject, a, b, probe)? {
+            found.nested.insert((a, b));
+        } else {
+            found.overlaps.push(overlap(subject, a, b, &common, probe)?);
         }
     }
-    Ok(findings)
+    Ok(found)
 }
 
-/// Runs the independent searches of [`overlaps`] only.
+/// Runs the independent searches of [`intersecting`] only.
 pub fn search<E: Evaluator>(subject: &Subject<'_>, probe: &mut Probe<'_, E>) -> Result<(), AnalysisError> {
     let parts = parts(subject.regions, &subject.boxes)?;
     common(subject, &parts, probe).map(|_| ())

@@ -4,6 +4,7 @@ use super::connected;
 use super::edges::{Grid, Hits};
 use super::facing::{Between, Facing, Search, touches};
 use super::narrow::{Narrow, RAYS_PER_SIDE, SEARCHED};
+use super::pairs::Intersecting;
 use super::places::{Place, distinct};
 use super::probe::{Budget, FEW, IN_EDGES, Probe, leaves_of, rays_of};
 use super::subject::Subject;
@@ -154,7 +155,7 @@ fn width(piece: &Piece<'_>, less_than: f64) -> Option<f64> {
 pub fn findings<E: Evaluator>(
     subject: &Subject<'_>,
     program: Arc<Program>,
-    known: &[Finding],
+    known: &Intersecting,
     probe: &mut Probe<'_, E>,
 ) -> Result<Vec<Finding>, AnalysisError> {
     let evaluator = (probe.make)(program)?;
@@ -388,25 +389,19 @@ fn gaps<E: Evaluator>(
 
 /// Contacts of regions that are not mother and daughter, not known to overlap, and not nested. If not all pairs were examined, those
 /// whose boxes overlap are left out: they may overlap.
-fn contacts(subject: &Subject<'_>, seen: &Seen, known: &[Finding], scope: &Scope) -> Vec<Finding> {
+fn contacts(subject: &Subject<'_>, seen: &Seen, known: &Intersecting, scope: &Scope) -> Vec<Finding> {
     let mut found = Vec::new();
-    let overlaps: HashSet<&[String]> = known
-        .iter()
-        .filter(|finding| finding.kind == FindingKind::Overlap)
-        .map(|finding| finding.regions.as_slice())
-        .collect();
+    let overlaps: HashSet<&[String]> =
+        known.overlaps.iter().map(|finding| finding.regions.as_slice()).collect();
     for ([a, b], contact) in &seen.contacts {
         let (k, j) = (a.index() - 1, b.index() - 1);
         let names = [subject.name(k), subject.name(j)];
         let is_overlap = overlaps.contains(&names.map(str::to_owned)[..]);
-        let around = |a: usize, b: usize| {
-            subject.boxes[a].contains(subject.boxes[b].lo) && subject.boxes[a].contains(subject.boxes[b].hi)
-        };
-        let is_around = around(k, j) || around(j, k);
+        let is_nested = known.nested.contains(&(k.min(j), k.max(j)));
         let common = subject.boxes[k].intersection(&subject.boxes[j]);
         let is_common = !common.is_empty() && common.size().min_element() > scope.distance;
         let may_overlap = scope.left_out > 0 && is_common;
-        if is_overlap || (is_around && a != b) || may_overlap || subject.are_kin(k, j) {
+        if is_overlap || is_nested || may_overlap || subject.are_kin(k, j) {
             continue;
         }
         let (text, names) = match a == b {

@@ -118,6 +118,22 @@ fn by_medium_or_by_region() {
     assert_eq!(by_region.part("b").unwrap().contours[0].len(), 4);
 }
 
+/// A single solid has the medium of its region; one that is no region has its own name.
+#[test]
+fn one_solid_has_its_own_medium() {
+    let scene = scene(&TWO.replace(
+        "[[region]]\nsolid = \"a\"",
+        "[solid.d]\nsphere = { radius = 1 }\n[[region]]\nsolid = \"a\"",
+    ));
+    for (solid, name) in [("b", "steel"), ("c", "air"), ("d", "d")] {
+        let (plane, settings) = ("z=0.5".parse().unwrap(), SectionSettings::default());
+        let make = AnyEvaluator::maker(None);
+        let found = cross_sections(&scene, Some(solid), make, &[plane], &settings, &mut |_| ()).unwrap();
+        let names: Vec<&str> = found[0].parts.iter().map(|part| part.name.as_str()).collect();
+        assert_eq!(names, [name], "{solid}");
+    }
+}
+
 #[test]
 fn a_box_bounds_unbounded_solids() {
     let rod = scene("[solid.rod]\ncylinder = { radius = 1, height = inf }");
