@@ -483,13 +483,16 @@ fn document(objects: &[(&str, &Mesh)], uri: Option<String>) -> Value {
     let mut length = 0;
     for (k, (name, mesh)) in objects.iter().enumerate() {
         let (points, corners) = (12 * mesh.vertices().len(), 12 * mesh.triangles().len());
-        let mut node = json!({ "mesh": k });
+        let attributes = json!({ "POSITION": 2 * k });
+        let primitive = json!({ "attributes": attributes, "indices": 2 * k + 1, "mode": 4 });
+        let (mut node, mut shape) = (json!({ "mesh": k }), json!({ "primitives": [primitive] }));
         if !name.is_empty() {
+            // some programs read the names of nodes, others those of meshes
             node["name"] = (*name).into();
+            shape["name"] = (*name).into();
         }
         nodes.push(node);
-        let attributes = json!({ "POSITION": 2 * k });
-        meshes.push(json!({ "primitives": [{ "attributes": attributes, "indices": 2 * k + 1, "mode": 4 }] }));
+        meshes.push(shape);
         views.push(json!({ "buffer": 0, "byteOffset": length, "byteLength": points, "target": 34962 }));
         views.push(
             json!({ "buffer": 0, "byteOffset": length + points, "byteLength": corners, "target": 34963 }),

@@ -403,6 +403,20 @@ fn objects_of_a_file_are_distinguished() {
     assert_eq!(names, [("a".to_owned(), 0..1), ("b".to_owned(), 1..2)]);
 }
 
+#[test]
+fn names_of_gltf_are_those_of_nodes_and_meshes() {
+    let (a, b) = (cuboid(Vec3::ZERO, Vec3::ONE), cuboid(Vec3::ZERO, Vec3::splat(2.0)));
+    let mut bytes = Vec::new();
+    let options = MeshWriteOptions::default();
+    write_objects(&[("skull", &a), ("", &b)], MeshFormat::Gltf, options, &mut bytes).unwrap();
+    let root: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
+    for kind in ["nodes", "meshes"] {
+        let names: Vec<_> =
+            root[kind].as_array().unwrap().iter().map(|entry| entry["name"].as_str()).collect();
+        assert_eq!(names, [Some("skull"), None], "{kind}");
+    }
+}
+
 /// Small archives that describe much more than they contain.
 #[test]
 fn archives_have_one_budget() {

@@ -34,15 +34,15 @@ class Distances(Table):
     _columns: ClassVar[tuple[str, ...]] = ("point", "distance", "nearest", "lower", "upper", "is_exact")
 
     distance: _Array
-    """(N,) the distance of the nearest point found, negative inside; infinite if there is no surface or none was found."""
+    """(N,) the distance of `nearest`, negative inside and between the bounds in magnitude; infinite if there is no surface or none was found."""
     lower: _Array
     """(N,) a lower bound of the magnitude of the distance."""
     upper: _Array
-    """(N,) an upper bound of it; infinite if no surface was found."""
+    """(N,) an upper bound of it, rounded up; infinite if no surface was found."""
     is_exact: NDArray[np.bool_]
     """(N,) whether both bounds agree within the requested precision, or there is no surface."""
     nearest: _Array
-    """(N, 3) a point of the surface at the distance `upper`, to the side of the nearest one by at most about the square root of the
+    """(N, 3) the nearest point of the surface that was found, to the side of the nearest one by at most about the square root of the
     precision times the distance; NaN if none was found."""
     point: _Array
     """(N, 3) the points."""

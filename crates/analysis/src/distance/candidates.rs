@@ -1,5 +1,6 @@
 //! Candidates for the nearest boundary point: feet of perpendiculars, and points where surfaces meet.
 
+use super::feet::{feet, feet_on_curve};
 use super::field::Field;
 use rayweave_math::{Mat3, Vec3};
 use rayweave_shape::surface::Surface;
@@ -40,7 +41,20 @@ impl Field {
         {
             self.try_after(1, from, is_inside, from, meeting, best);
         }
-        self.try_after(STEPS, from, is_inside, near, meeting, best);
+        let closed_form = match *meeting {
+            [single] => feet(self.surface(single), from, near),
+            [a, b] => feet_on_curve(self.surface(a), self.surface(b), from, near),
+            _ => Vec::new(),
+        };
+        for &foot in &closed_form {
+            // the position of such a foot does not depend on the length of the way
+            let step = 4.0 * self.rounding(foot);
+            let units = self.unit_gradients(foot, meeting).map_or(Vec::new(), |(_, units)| units);
+            self.try_foot(foot, &units, step, (from, is_inside), best);
+        }
+        if closed_form.is_empty() || near != from {
+            self.try_after(STEPS, from, is_inside, near, meeting, best);
+        }
     }
 
     /// Tries the point after a number of Newton steps.
@@ -55,6 +69,18 @@ impl Field {
     ) {
         let Some((foot, gradients)) = self.meeting_point(steps, from, near, meeting) else { return };
         let step = 4.0 * self.rounding(from.abs().max(foot.abs()));
+        self.try_foot(foot, &gradients, step, (from, is_inside), best);
+    }
+
+    /// Tries points at the distance `step` from a boundary point.
+    fn try_foot(
+        &self,
+        foot: Vec3,
+        gradients: &[Vec3],
+        step: f64,
+        (from, is_inside): (Vec3, bool),
+        best: &mut Witness,
+    ) {
         let length = (foot - from).length();
         if length - 2.0 * step >= best.distance {
             return;
@@ -85,24 +111,34 @@ impl Field {
         near: Vec3,
         meeting: &[u32],
     ) -> Option<(Vec3, Vec<Vec3>)> {
-        let mut point = near;
-        let mut units = Vec::with_capacity(meeting.len());
+        let (mut point, mut last) = (near, Vec::new());
         for _ in 0..steps {
-            units.clear();
+            let (values, units) = self.unit_gradients(point, meeting)?;
             let mut offsets = [0.0; 3];
-            for (k, &number) in meeting.iter().enumerate() {
-                let (value, gradient) = self.surface(number).value_and_gradient(point);
-                let length = gradient.length();
-                if !(length > 0.0 && value.is_finite()) {
-                    return None;
-                }
-                units.push(gradient / length);
+            for (k, unit) in units.iter().enumerate() {
                 // the signed distance of `from` from the tangent plane
-                offsets[k] = value / length + units[k].dot(from - point);
+                offsets[k] = values[k] + unit.dot(from - point);
             }
             point = from - combination(&units, offsets, INDEPENDENT)?;
+            last = units;
         }
-        point.is_finite().then_some((point, units))
+        point.is_finite().then_some((point, last))
+    }
+
+    /// The quotients of value and length of the gradient, and the unit gradients, of up to three surfaces; `None` where a
+    /// gradient is 0.
+    fn unit_gradients(&self, point: Vec3, surfaces: &[u32]) -> Option<([f64; 3], Vec<Vec3>)> {
+        let (mut values, mut units) = ([0.0; 3], Vec::with_capacity(surfaces.len()));
+        for (k, &number) in surfaces.iter().enumerate() {
+            let (value, gradient) = self.surface(number).value_and_gradient(point);
+            let length = gradient.length();
+            if !(length > 0.0 && value.is_finite()) {
+                return None;
+            }
+            values[k] = value / length;
+            units.push(gradient / length);
+        }
+        Some((values, units))
     }
 
     /// Narrows a witness down to the boundary: the point where the way to it leaves the side of `from`.

@@ -15,6 +15,9 @@
 //!
 //! *From above*: a point on the other side of the boundary. The way there crosses the boundary.
 //!
+//! Candidates for that point are the feet of perpendiculars on single surfaces, which have closed forms on surfaces of revolution
+//! and quadrics (`feet`); elsewhere Newton's method is used.
+//!
 //! *Both bounds meet by branch and bound* (A. H. Land, A. G. Doig, Econometrica 28 (1960); for interval methods R. E. Moore,
 //! *Interval Analysis* (1966)). Boxes around the point are subdivided, those nearest to the point first. With bounds of f and
 //! its gradient over a box (`Surface::ranges`) a box is discarded
@@ -28,10 +31,11 @@
 //! (closed forms) on which q may lie. The search ends when the nearest box is as far away as the
 //! best point found, within the tolerance, or after [`DistanceSettings::most_cells`] boxes.
 //!
-//! Both bounds are valid in any case, up to `256 u` times the lengths involved: `u (|p| + magnitude)` is the rounding error of a
+//! Both bounds are rounded outwards by `256 u` times the lengths involved or more: `u (|p| + magnitude)` is the rounding error of a
 //! signed distance, and 256 covers the operations of every kernel.
 
 mod candidates;
+mod feet;
 mod field;
 mod search;
 mod surfaces;
@@ -94,9 +98,11 @@ pub struct Distance {
     pub is_inside: bool,
     /// The distance is at least this.
     pub lower: f64,
-    /// The distance is at most this; infinite without a known boundary point.
+    /// The distance is at most this: that of a point on the other side of the boundary. Infinite without a known one.
     pub upper: f64,
-    /// A boundary point at the distance `upper`, up to rounding.
+    /// The best value, between the bounds: the distance of `nearest`.
+    pub value: f64,
+    /// The nearest boundary point found.
     pub nearest: Option<Vec3>,
     /// True if both bounds agree within the precision.
     pub is_exact: bool,
@@ -105,7 +111,7 @@ pub struct Distance {
 impl Distance {
     /// The distance of the nearest point found, or infinity, negative inside.
     pub fn signed(&self) -> f64 {
-        if self.is_inside { -self.upper } else { self.upper }
+        if self.is_inside { -self.value } else { self.value }
     }
 }
 
@@ -140,29 +146,51 @@ impl DistanceField {
     /// The distance of a point, whose coordinates must be finite; the answer for another point is arbitrary.
     pub fn distance(&self, point: Vec3) -> Distance {
         if let Some(is_inside) = self.field.tree.constant() {
-            let (lower, upper) = (f64::INFINITY, f64::INFINITY);
-            return Distance { is_inside, lower, upper, nearest: None, is_exact: true };
+            let infinite = f64::INFINITY;
+            let (lower, upper, value) = (infinite, infinite, infinite);
+            return Distance { is_inside, lower, upper, value, nearest: None, is_exact: true };
         }
         let rounding = self.field.rounding(point);
-        let signed: Vec<f64> = self.field.surfaces.iter().map(|s| surfaces::signed_bound(s, point)).collect();
+        let mut signed: Vec<f64> =
+            self.field.surfaces.iter().map(|s| surfaces::signed_bound(s, point)).collect();
         let is_inside = self.field.is_inside(point);
-        let lower = (self.field.tree.signed_bound(&signed).abs() - rounding).max(0.0);
-        let distances: Vec<f64> = signed.iter().map(|d| (d.abs() - rounding).max(0.0)).collect();
+        let below = |signed: f64| (signed.abs() - rounding).max(0.0);
+        let mut lower = below(self.field.tree.signed_bound(&signed));
+        let mut distances: Vec<f64> = signed.iter().map(|&d| below(d)).collect();
         let mut best = self.best_foot(point, is_inside, lower, &distances);
+        let is_close =
+            |lower: f64, best: &Witness| lower >= best.distance - self.field.tolerance(point, best.distance);
+        if !is_close(lower, &best) && self.refine(point, best.distance, &mut signed) {
+            distances.iter_mut().zip(&signed).for_each(|(distance, &d)| *distance = below(d));
+            lower = below(self.field.tree.signed_bound(&signed));
+        }
         let mut bound = lower;
-        if bound < best.distance - self.field.tolerance(point, best.distance) {
+        if !is_close(bound, &best) {
             bound = self.search(point, is_inside, lower, &distances, &mut best);
         }
         let best = self.field.settled(point, is_inside, best);
         self.answer(point, is_inside, bound, best)
     }
 
+    /// Improves the bounds of those quadrics that may be nearer than `best`; whether there is one.
+    fn refine(&self, point: Vec3, best: f64, signed: &mut [f64]) -> bool {
+        let mut is_refined = false;
+        for (bound, surface) in signed.iter_mut().zip(&self.field.surfaces) {
+            if bound.abs() < best && matches!(surface, Surface::Quadric(_)) {
+                *bound = surfaces::refined_bound(surface, point, *bound);
+                is_refined = true;
+            }
+        }
+        is_refined
+    }
+
     fn answer(&self, point: Vec3, is_inside: bool, lower: f64, best: Witness) -> Distance {
-        // the boundary point itself, if both sides of it were verified
-        let upper = best.on.map_or(best.distance, |on| (on - point).length());
+        // the boundary is not farther than the other side, and a point on it, up to rounding, is the better value
+        let value = best.on.map_or(best.distance, |on| (on - point).length());
+        let upper = best.distance.max(value) * (1.0 + 4.0 * f64::EPSILON);
         let tolerance = self.field.tolerance(point, best.distance);
         let is_exact = best.distance < f64::INFINITY && lower >= best.distance - tolerance;
-        Distance { is_inside, lower: lower.min(upper), upper, nearest: best.on, is_exact }
+        Distance { is_inside, lower: lower.min(value), upper, value, nearest: best.on, is_exact }
     }
 
     /// Bounds of the distances of many points, in their order.
@@ -203,7 +231,8 @@ impl DistanceField {
         order.sort_unstable_by(by_distance);
         let mut best = Witness::NONE;
         for &number in &order {
-            if best.distance <= lower + self.field.tolerance(point, best.distance) {
+            let least = lower.max(distances[number as usize]);
+            if best.distance <= least + self.field.tolerance(point, best.distance) {
                 break;
             }
             self.field.try_meeting(point, is_inside, point, &[number], &mut best);

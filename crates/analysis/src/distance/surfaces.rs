@@ -1,11 +1,13 @@
 //! Distances from surfaces and from curves in which two surfaces meet.
 
+use super::feet::quadric_foot;
 use rayweave_math::{Mat3, UNIT_ROUNDOFF, Vec3, symmetric_eigen};
 use rayweave_shape::surface::{Cone, MeshForm, Object, Plane, Quadric, Surface, Torus};
 use std::any::Any;
 
 /// A number with the sign of f at a point, whose magnitude is at most the distance from the surface. It is the distance, up to
-/// rounding, for planes, spheres, circular cylinders and cones, tori and meshes; 0 without a bound.
+/// rounding, for planes, spheres, circular cylinders and cones, tori and meshes; 0 without a bound. That of quadrics, which
+/// costs as little, is improved by [`refined_bound`].
 pub fn signed_bound(surface: &Surface, point: Vec3) -> f64 {
     match surface {
         Surface::Plane(s) => s.normal.dot(point) - s.offset,
@@ -22,7 +24,7 @@ pub fn signed_bound(surface: &Surface, point: Vec3) -> f64 {
 }
 
 /// The part of a vector across a unit vector.
-fn across(v: Vec3, axis: Vec3) -> Vec3 {
+pub fn across(v: Vec3, axis: Vec3) -> Vec3 {
     v - v.dot(axis) * axis
 }
 
@@ -47,6 +49,15 @@ fn quadric(s: &Quadric, surface: &Surface, point: Vec3) -> f64 {
     if root > 0.0 { 2.0 * value / root } else { 0.0 }
 }
 
+/// The distance from a quadric, up to rounding, where [`signed_bound`] is smaller.
+pub fn refined_bound(surface: &Surface, point: Vec3, bound: f64) -> f64 {
+    let Surface::Quadric(s) = surface else { return bound };
+    match quadric_foot(s, point) {
+        Some((_, distance)) => distance.max(bound.abs()).copysign(bound),
+        None => bound,
+    }
+}
+
 /// f of a mesh is the distance in its own frame.
 fn object(s: &Object, surface: &Surface, point: Vec3) -> f64 {
     let form: &dyn Any = &*s.form;
@@ -66,22 +77,36 @@ fn stretch(linear: &Mat3) -> f64 {
 }
 
 /// The distance of a point from the curve in which two surfaces meet, up to rounding, where it has a closed form: two planes, and
-/// a plane or a sphere with a surface of revolution about a common axis. Infinite if the surfaces do not meet.
+/// circles about a common axis. Infinite if the surfaces do not meet.
 pub fn curve_distance(a: &Surface, b: &Surface, point: Vec3) -> Option<f64> {
+    if let (Surface::Plane(a), Surface::Plane(b)) = (a, b) {
+        return line_distance(a, b, point);
+    }
+    let (centre, axis, circles) = circles(a, b)?;
+    circles_distance(centre, axis, point, circles)
+}
+
+/// Circles about a common axis: a centre and the unit axis, and for each circle its height above the centre and its radius, which
+/// is NaN for none.
+pub type Circles = (Vec3, Vec3, [(f64, f64); 2]);
+
+/// The one or two circles in which two surfaces meet: a plane or a sphere and a surface of revolution about a common axis.
+pub fn circles(a: &Surface, b: &Surface) -> Option<Circles> {
     match (a, b) {
-        (Surface::Plane(a), Surface::Plane(b)) => line_distance(a, b, point),
+        (Surface::Plane(_), Surface::Plane(_)) => None,
         (Surface::Plane(plane), round) | (round, Surface::Plane(plane)) => {
             let (centre, axis) = revolved(round, plane.normal)?;
             let height = plane.offset - plane.normal.dot(centre);
-            circles_distance(centre, axis, point, radii_at(round, height)?.map(|radius| (height, radius)))
+            Some((centre, axis, radii_at(round, height)?.map(|radius| (height, radius))))
         }
         (Surface::Sphere(ball), Surface::Cylinder(tube))
         | (Surface::Cylinder(tube), Surface::Sphere(ball)) => {
             let offset = across(ball.centre - tube.point, tube.axis).length();
             let tolerance = 16.0 * UNIT_ROUNDOFF * (ball.centre.length() + tube.point.length() + tube.radius);
             let height = root_of_difference(ball.radius, tube.radius);
-            let circles = [(height, tube.radius), (-height, tube.radius)];
-            if offset <= tolerance { circles_distance(ball.centre, tube.axis, point, circles) } else { None }
+            // NaN, for no circle, is its radius, too
+            let radius = tube.radius + 0.0 * height;
+            (offset <= tolerance).then_some((ball.centre, tube.axis, [(height, radius), (-height, radius)]))
         }
         (Surface::Sphere(a), Surface::Sphere(b)) => {
             let between = (b.centre - a.centre).length();
@@ -90,15 +115,14 @@ pub fn curve_distance(a: &Surface, b: &Surface, point: Vec3) -> Option<f64> {
             let height = 0.5 * (between + squares / between);
             let circle = (height, root_of_difference(a.radius, height.abs()));
             // nearly concentric spheres: the height is not accurate
-            let is_accurate = between > 1e-3 * (a.radius + b.radius);
-            if is_accurate { circles_distance(a.centre, axis, point, [circle, circle]) } else { None }
+            (between > 1e-3 * (a.radius + b.radius)).then_some((a.centre, axis, [circle, circle]))
         }
         _ => None,
     }
 }
 
 /// `sqrt(a^2 - b^2)`; NaN if b is larger.
-fn root_of_difference(a: f64, b: f64) -> f64 {
+pub fn root_of_difference(a: f64, b: f64) -> f64 {
     ((a - b) * (a + b)).sqrt()
 }
 

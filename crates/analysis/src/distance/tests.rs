@@ -209,6 +209,100 @@ fn ellipsoids() {
     check(&solid(Ellipsoid::new(radii).unwrap()), expected, &points(5, 60, 3.0));
 }
 
+/// Points that are far away in units of the radii, whose feet Newton's method does not reach in a few steps, and thin tori: the
+/// closed form of one face. The search is not needed, so that few boxes suffice, and the bounds hold without any slack.
+#[test]
+fn far_points_and_thin_shapes() {
+    let quick = |solid: &Solid| {
+        let settings = DistanceSettings { most_cells: 0, ..DistanceSettings::default() };
+        DistanceField::new(&Program::compile(solid).unwrap(), settings).unwrap()
+    };
+    type Expected = Box<dyn Fn(Vec3) -> f64>;
+    let shapes: Vec<(Solid, Expected)> = vec![
+        (ball(1.0), Box::new(|p| p.length() - 1.0)),
+        (solid(Cylinder::new(1.0, f64::INFINITY).unwrap()), Box::new(|p| p.x.hypot(p.y) - 1.0)),
+        (solid(Torus::new(5.0, 1.0).unwrap()), Box::new(|p| (p.x.hypot(p.y) - 5.0).hypot(p.z) - 1.0)),
+        (solid(Torus::new(9.5, 0.7).unwrap()), Box::new(|p| (p.x.hypot(p.y) - 9.5).hypot(p.z) - 0.7)),
+        (solid(Torus::new(9.5, 0.01).unwrap()), Box::new(|p| (p.x.hypot(p.y) - 9.5).hypot(p.z) - 0.01)),
+        (
+            solid(HalfSpace::new(Vec3::new(0.0, 0.6, 0.8), 0.5).unwrap()),
+            Box::new(|p| 0.6 * p.y + 0.8 * p.z - 0.5),
+        ),
+    ];
+    for (half, seed) in [(20.0, 31), (1e3, 32), (1e8, 33)] {
+        for (solid, expected) in &shapes {
+            let field = quick(solid);
+            for point in points(seed, 50, half) {
+                let (found, expected) = (field.distance(point), expected(point));
+                let rounding = 4.0 * f64::EPSILON * (point.length() + 10.0);
+                assert!(found.is_exact, "{point}: {found:?}, expected {expected}");
+                assert!((found.signed() - expected).abs() <= rounding, "{point}: {found:?}, {expected}");
+                assert!(found.lower <= expected.abs() && expected.abs() <= found.upper, "{point}: {found:?}");
+            }
+        }
+    }
+    let ring = quick(&solid(Torus::new(9.5, 0.7).unwrap()));
+    let point = Vec3::new(-8.16410028119773, -4.361557833364126, 13.327296333344108);
+    let (found, expected) = (ring.distance(point), (point.x.hypot(point.y) - 9.5).hypot(point.z) - 0.7);
+    assert!(found.lower <= expected && expected <= found.upper, "{found:?}, expected {expected}");
+    // on the axis and at the centre all directions are equal
+    assert_eq!(quick(&ball(1.0)).distance(Vec3::ZERO).signed(), -1.0);
+    assert_eq!(quick(&solid(Torus::new(4.0, 1.0).unwrap())).distance(Vec3::new(0.0, 0.0, 3.0)).signed(), 4.0);
+}
+
+/// The nearest point of a quadric lies on it, its normal leads to the point, and a search of the surface by random points finds
+/// none that is nearer: ellipsoids, cylinders, paraboloids and hyperboloids, and points on planes of symmetry, where the nearest
+/// points are a pair.
+#[test]
+fn nearest_points_of_quadrics() {
+    use rayweave_shape::surface::Quadric;
+    let (x, tilt) = (Vec3::new(2.0, 3.0, 6.0) / 7.0, Vec3::new(6.0, 2.0, -3.0) / 7.0);
+    let axes = [x, tilt, x.cross(tilt)];
+    let forms = [
+        (Vec3::new(1.0, 0.25, 0.04), Vec3::ZERO, -1.0),
+        (Vec3::new(1.0, 1e-4, 0.3), Vec3::ZERO, -1e-2),
+        (Vec3::new(1.0, 0.3, 0.0), Vec3::ZERO, -1.0),
+        (Vec3::new(1.0, 0.5, 0.0), Vec3::new(0.0, 0.0, -1.0), 0.3),
+        (Vec3::new(1.0, 0.5, -0.7), Vec3::ZERO, -1.0),
+        (Vec3::new(1.0, 0.5, -0.7), Vec3::ZERO, 1.0),
+        (Vec3::new(-1.0, -0.5, 0.7), Vec3::new(0.1, 0.0, 0.2), -0.5),
+        (Vec3::new(1.0, -1.0, 0.0), Vec3::new(0.0, 0.0, 0.5), 0.0),
+    ];
+    let mut rng = ChaCha8Rng::seed_from_u64(34);
+    for (k, &(weights, linear, constant)) in forms.iter().enumerate() {
+        let centre = Vec3::new(0.3, -2.0, 1.0);
+        let form = Quadric { centre, axes, weights, linear, constant };
+        let surface = Surface::Quadric(Box::new(form));
+        let mut places = points(40 + k as u64, 40, 4.0);
+        places.extend(points(60 + k as u64, 10, 1e4));
+        places.extend((0..6).map(|j| centre + 0.4 * (j / 3) as f64 * axes[j % 3]));
+        for place in places {
+            let (feet, bound) = feet::quadric_foot(&form, place).unwrap();
+            for foot in feet {
+                let (value, gradient) = surface.value_and_gradient(foot);
+                let lengths = foot.length() + 3.0;
+                assert!(value.abs() <= 1e-13 * lengths * gradient.length(), "{k} {place} {foot}: {value}");
+                let distance = (foot - place).length();
+                let across = gradient.cross(foot - place).length();
+                assert!(across <= 1e-6 * gradient.length() * (distance + 1e-3), "{k} {place} {foot}");
+                let slack = 1e-13 * (place.length() + lengths);
+                assert!((distance - bound).abs() <= slack, "{k} {place} {foot}: {distance} {bound}");
+            }
+            // crossings of random lines through places near the point
+            for _ in 0..100 {
+                let mut side = || rng.random_range(-1.0..1.0);
+                let direction = Vec3::new(side(), side(), side());
+                let start = place + Vec3::new(side(), side(), side()) * bound;
+                let ray = rayweave_shape::Ray { origin: start, direction };
+                for &time in form.crossings(&ray).times() {
+                    let nearer = (ray.origin + time * direction - place).length();
+                    assert!(nearer >= bound * (1.0 - 1e-12) - 1e-12, "{k} {place}: {nearer} {bound}");
+                }
+            }
+        }
+    }
+}
+
 /// Placed copies, and regions with priorities.
 #[test]
 fn placements_and_regions() {
