@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The arguments that name files to write, and their names in messages. `pictures` and the `out` of `man` are folders.
-const OUTPUTS: [(&str, &str); 13] = [
+const OUTPUTS: [(&str, &str); 14] = [
     ("out", "--out"),
     ("steps", "--steps"),
     ("histories", "--histories"),
@@ -17,6 +17,7 @@ const OUTPUTS: [(&str, &str); 13] = [
     ("spectra", "--spectra"),
     ("svg", "--svg"),
     ("layout", "--layout"),
+    ("drawing", "--drawing"),
     ("spot", "--spot"),
     ("paths", "--paths"),
     ("timeline", "--timeline"),
