@@ -37,6 +37,7 @@
 mod candidates;
 mod feet;
 mod field;
+mod quadric_foot;
 mod search;
 mod surfaces;
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Distances from surfaces and from curves in which two surfaces meet.
 
-use super::feet::quadric_foot;
+use super::quadric_foot::quadric_foot;
 use rayweave_math::{Mat3, UNIT_ROUNDOFF, Vec3, symmetric_eigen};
 use rayweave_shape::surface::{Cone, MeshForm, Object, Plane, Quadric, Surface, Torus};
 use std::any::Any;

@@ -277,7 +277,7 @@ fn nearest_points_of_quadrics() {
         places.extend(points(60 + k as u64, 10, 1e4));
         places.extend((0..6).map(|j| centre + 0.4 * (j / 3) as f64 * axes[j % 3]));
         for place in places {
-            let (feet, bound) = feet::quadric_foot(&form, place).unwrap();
+            let (feet, bound) = quadric_foot::quadric_foot(&form, place).unwrap();
             for foot in feet {
                 let (value, gradient) = surface.value_and_gradient(foot);
                 let lengths = foot.length() + 3.0;

@@ -1,7 +1,7 @@
 //! Corners between two scan lines, from the planes of the faces that they cross.
 
 use super::Cut;
-use super::scan_lines::{ScanCrossing, ScanLine};
+use super::scan_line::{ScanCrossing, ScanLine};
 use rayweave_math::{Transform, UNIT_ROUNDOFF};
 use rayweave_model::{Face, Program};
 use rayweave_shape::surface::Surface;

@@ -1,6 +1,6 @@
 //! Linking of scan lines to edges, and of edges to contours.
 
-use super::scan_lines::{ScanCrossing, ScanLine};
+use super::scan_line::{ScanCrossing, ScanLine};
 use super::{SectionEdge, SectionWindow};
 use rayweave_model::RegionId;
 use std::collections::HashMap;

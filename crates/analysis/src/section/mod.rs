@@ -18,6 +18,7 @@ mod error;
 mod events;
 mod link;
 mod plane;
+mod scan_line;
 mod scan_lines;
 mod scene;
 mod simplify;

@@ -1,51 +1,12 @@
 //! Scan lines: the parallel rays that sweep a plane, refined where neighbours differ.
 
 use super::events::Corners;
+use super::scan_line::{ScanCrossing, ScanLine};
 use super::{Cut, SectionError, SectionRun, SectionWindow};
 use rayweave_model::drive::{Stopped, drive, thread_count};
 use rayweave_model::memory::Growth;
-use rayweave_model::{Evaluator, Face, Query, RayAnswer, RayBatch, RegionId, Window};
+use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId, Window};
 use rayweave_shape::Ray;
-
-/// A crossing of a scan line from one region into another.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ScanCrossing {
-    /// The coordinate along the scan line.
-    pub v: f64,
-    pub before: RegionId,
-    pub after: RegionId,
-    /// The face; `None` at the ends of the window.
-    pub face: Option<Face>,
-}
-
-impl ScanCrossing {
-    /// True for crossings between the same regions through the same surface.
-    pub fn is_like(&self, other: &ScanCrossing) -> bool {
-        // an edge of an outline may consist of several faces, in one surface
-        let face = |own: &ScanCrossing| own.face.map(|face| (face.surface, face.placement));
-        (self.before, self.after, face(self)) == (other.before, other.after, face(other))
-    }
-}
-
-/// A ray in the plane.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ScanLine {
-    pub u: f64,
-    /// The crossings from bottom to top; below the first and above the last is the world.
-    pub passes: Vec<ScanCrossing>,
-}
-
-impl ScanLine {
-    /// Its memory in bytes.
-    fn size(&self) -> u64 {
-        (size_of::<Placed>() + self.passes.len() * size_of::<ScanCrossing>()) as u64
-    }
-
-    fn is_like(&self, other: &ScanLine) -> bool {
-        let alike = |(a, b): (&ScanCrossing, &ScanCrossing)| a.is_like(b);
-        self.passes.len() == other.passes.len() && self.passes.iter().zip(&other.passes).all(alike)
-    }
-}
 
 /// A scan line and its relation to the one before.
 pub enum Step {
@@ -60,6 +21,11 @@ pub enum Step {
 struct Placed {
     scan_line: ScanLine,
     gap: Gap,
+}
+
+/// The memory of a scan line in bytes.
+fn memory(scan_line: &ScanLine) -> u64 {
+    (size_of::<Placed>() + size_of_val(scan_line.passes.as_slice())) as u64
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -221,14 +187,14 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         }
         if places.len() <= 2 * CHUNK {
             let scan_lines = tracer.scan_lines(places, &mut self.scratch);
-            self.bytes += scan_lines.iter().map(ScanLine::size).sum::<u64>();
+            self.bytes += scan_lines.iter().map(memory).sum::<u64>();
             self.growth.check(self.bytes)?;
             return Ok(scan_lines);
         }
         let mut all = Vec::with_capacity(places.len());
         let work = |scratch: &mut E::Scratch, places: &[f64]| tracer.scan_lines(places, scratch);
         let merge = |scan_lines: Vec<ScanLine>| {
-            self.bytes += scan_lines.iter().map(ScanLine::size).sum::<u64>();
+            self.bytes += scan_lines.iter().map(memory).sum::<u64>();
             all.extend(scan_lines);
             self.growth.check(self.bytes)
         };
