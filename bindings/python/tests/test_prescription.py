@@ -492,7 +492,7 @@ def test_prescriptions_and_results_are_equal_by_value() -> None:
 def test_the_solids_form_an_ordinary_system() -> None:
     lens = design("cooke-triplet")
     system = lens.system()
-    assert system.element_names == ["lens 1-2", "lens 3-4", "lens 5-6", "image"]
+    assert system.element_names == ["lens 1-2", "lens 3-4", "lens 5-6", "stop", "mount", "image"]
     trace = system.trace_rays(*lens.rays(2), lens.primary_nm)
     arrived = trace.spot("image")
     image = lens.arrivals(2, wavelength_nm=lens.primary_nm, pupil=optics.pupil_grid("hexapolar", 6))

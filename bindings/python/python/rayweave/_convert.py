@@ -7,7 +7,7 @@ from os import PathLike
 
 from rayweave._core import Model, Solid, load
 from rayweave._model import Subject
-from rayweave.optics import System
+from rayweave.optics import Element, System
 
 
 def convert(
@@ -38,6 +38,8 @@ def convert(
     'dropped: colours and names of faces'
     """
     if not isinstance(source, (str, PathLike)):
+        if isinstance(source, Element):
+            source = System([source])
         if isinstance(source, System):
             source = source.to_model()
         if isinstance(source, (Solid, Model)):
