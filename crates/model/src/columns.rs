@@ -11,6 +11,7 @@
 //! faster way. The caller owns the memory and chooses the size of a batch.
 
 use crate::{Crossing, Face, LeafId, PlacementId, Program, RayAnswer, Rays, RegionId, Sink, attributes};
+use rayweave_math::Vec3;
 use std::ops::Range;
 
 /// A hit array (H rows, N columns): one column per ray, with its entries in order of time.
@@ -114,14 +115,25 @@ pub struct FirstHitColumns {
 impl FirstHitColumns {
     /// Columns for a number of rays, filled with zeros.
     pub fn new(rays: usize) -> FirstHitColumns {
-        FirstHitColumns {
-            t: vec![0.0; rays],
-            face: vec![0; rays],
-            placement: vec![0; rays],
-            before: vec![0; rays],
-            after: vec![0; rays],
-            normal: std::array::from_fn(|_| vec![0.0; rays]),
+        let mut columns = FirstHitColumns::default();
+        columns.resize(rays);
+        columns
+    }
+
+    /// Resizes the columns to a number of rays. Rows that exist keep their old values.
+    pub fn resize(&mut self, rays: usize) {
+        self.t.resize(rays, 0.0);
+        self.face.resize(rays, 0);
+        for column in [&mut self.placement, &mut self.before, &mut self.after] {
+            column.resize(rays, 0);
         }
+        self.normal.iter_mut().for_each(|column| column.resize(rays, 0.0));
+    }
+
+    /// The normal at the hit of ray `i`.
+    #[inline]
+    pub fn normal(&self, i: usize) -> Vec3 {
+        Vec3::new(self.normal[0][i], self.normal[1][i], self.normal[2][i])
     }
 
     /// The columns, for [`Evaluator::nearest`](crate::Evaluator::nearest) to fill.

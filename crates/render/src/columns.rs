@@ -1,7 +1,7 @@
 //! Rays and their first hits in columns (structure of arrays).
 
 use rayweave_math::Vec3;
-use rayweave_model::{Evaluator, FirstHits, Rays, RegionId, Window};
+use rayweave_model::{Evaluator, FirstHitColumns, Rays, RegionId, Window};
 use rayweave_shape::Ray;
 
 /// A batch of rays with their first hits. The buffers are reused from batch to batch.
@@ -9,12 +9,7 @@ use rayweave_shape::Ray;
 pub(crate) struct Columns {
     pub origins: [Vec<f64>; 3],
     pub directions: [Vec<f64>; 3],
-    pub t: Vec<f64>,
-    pub face: Vec<i32>,
-    pub placement: Vec<u32>,
-    pub before: Vec<u32>,
-    pub after: Vec<u32>,
-    pub normal: [Vec<f64>; 3],
+    pub hits: FirstHitColumns,
 }
 
 impl Columns {
@@ -47,19 +42,19 @@ impl Columns {
     /// The normal at the hit; stale if the last call of [`Columns::trace`] computed none.
     #[inline]
     pub fn normal(&self, i: usize) -> Vec3 {
-        vector(&self.normal, i)
+        self.hits.normal(i)
     }
 
     /// True if the ray hits something.
     #[inline]
     pub fn is_hit(&self, i: usize) -> bool {
-        self.face[i] >= 0
+        self.hits.face[i] >= 0
     }
 
     /// The visible region: see [`crate::sample::seen`].
     #[inline]
     pub fn seen(&self, i: usize) -> RegionId {
-        RegionId(if self.after[i] != 0 { self.after[i] } else { self.before[i] })
+        RegionId(if self.hits.after[i] != 0 { self.hits.after[i] } else { self.hits.before[i] })
     }
 
     /// Computes the first hit of each ray, and its normal if `with_normals` is set.
@@ -71,24 +66,13 @@ impl Columns {
         scratch: &mut E::Scratch,
     ) {
         let count = self.len();
-        self.t.resize(count, f64::INFINITY);
-        self.face.resize(count, -1);
-        for column in [&mut self.placement, &mut self.before, &mut self.after] {
-            column.resize(count, 0);
-        }
-        self.normal.iter_mut().for_each(|column| column.resize(count, f64::NAN));
+        self.hits.resize(count);
         let rays = Rays {
             origins: self.origins.each_ref().map(Vec::as_slice),
             directions: self.directions.each_ref().map(Vec::as_slice),
         };
-        let mut hits = FirstHits {
-            t: &mut self.t,
-            face: &mut self.face,
-            placement: &mut self.placement,
-            before: &mut self.before,
-            after: &mut self.after,
-            normal: with_normals.then(|| self.normal.each_mut().map(Vec::as_mut_slice)),
-        };
+        let mut hits = self.hits.hits();
+        hits.normal = hits.normal.filter(|_| with_normals);
         evaluator.nearest(rays, window, scratch, &mut hits);
     }
 }

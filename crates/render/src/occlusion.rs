@@ -76,7 +76,7 @@ impl Occlusion {
 
     /// True if a shadow ray hits something before its target surface.
     fn is_hidden(&self, program: &Program, sight: &Columns, k: usize, i: usize) -> bool {
-        let t = self.rays.t[k];
+        let t = self.rays.hits.t[k];
         if t >= 1.0 {
             return false;
         }
@@ -85,9 +85,9 @@ impl Occlusion {
             return false;
         }
         let surface_of = |face: i32| program.facets()[face as usize].surface();
-        let surface = surface_of(self.rays.face[k]);
-        let placement = self.rays.placement[k];
-        if surface != surface_of(sight.face[i]) || placement != sight.placement[i] {
+        let surface = surface_of(self.rays.hits.face[k]);
+        let placement = self.rays.hits.placement[k];
+        if surface != surface_of(sight.hits.face[i]) || placement != sight.hits.placement[i] {
             return true;
         }
         let (local, reach) = local_ray(program, &ray, PlacementId(placement));

@@ -34,7 +34,7 @@ pub fn depth<E: Evaluator>(
 ) -> Result<PixelGrid<f64>, RenderError> {
     let mut depth = PixelGrid::filled(size, f64::INFINITY);
     let bands = Bands { evaluator, camera, size, with_normals: false };
-    bands.trace(run, bands.of(&mut depth), |depth, at, hits, i| depth[at] = hits.t[i])?;
+    bands.trace(run, bands.of(&mut depth), |depth, at, rays, i| depth[at] = rays.hits.t[i])?;
     Ok(depth)
 }
 
@@ -52,8 +52,8 @@ pub fn normals<E: Evaluator>(
 ) -> Result<PixelGrid<[f64; 3]>, RenderError> {
     let mut normals = PixelGrid::filled(size, [f64::NAN; 3]);
     let bands = Bands { evaluator, camera, size, with_normals: true };
-    bands.trace(run, bands.of(&mut normals), |normals, at, hits, i| {
-        normals[at] = hits.normal(i).to_array();
+    bands.trace(run, bands.of(&mut normals), |normals, at, rays, i| {
+        normals[at] = rays.normal(i).to_array();
     })?;
     Ok(normals)
 }
@@ -72,7 +72,7 @@ pub fn ids<E: Evaluator>(
     let numbers = Numbers::new(kind, evaluator.program());
     let mut ids = PixelGrid::filled(size, numbers.miss());
     let bands = Bands { evaluator, camera, size, with_normals: false };
-    bands.trace(run, bands.of(&mut ids), |ids, at, hits, i| ids[at] = numbers.of(hits, i))?;
+    bands.trace(run, bands.of(&mut ids), |ids, at, rays, i| ids[at] = numbers.of(rays, i))?;
     Ok(ids)
 }
 
@@ -106,10 +106,10 @@ pub fn geometry<E: Evaluator>(
     };
     let bands = Bands { evaluator, camera, size, with_normals: true };
     let pieces = bands.of(&mut all.depth).zip(bands.of(&mut all.normals)).zip(bands.of(&mut all.ids));
-    bands.trace(run, pieces, |((depth, normals), ids), at, hits, i| {
-        depth[at] = hits.t[i];
-        normals[at] = hits.normal(i).to_array();
-        ids[at] = numbers.of(hits, i);
+    bands.trace(run, pieces, |((depth, normals), ids), at, rays, i| {
+        depth[at] = rays.hits.t[i];
+        normals[at] = rays.normal(i).to_array();
+        ids[at] = numbers.of(rays, i);
     })?;
     Ok(all)
 }
@@ -145,12 +145,12 @@ impl Numbers {
     /// The id of a ray that hits something. (Compiling rejects models with more than 2^31 objects of any
     /// kind.)
     #[inline]
-    fn of(&self, hits: &Columns, i: usize) -> i32 {
+    fn of(&self, rays: &Columns, i: usize) -> i32 {
         match self.kind {
-            IdKind::Region => hits.seen(i).0 as i32,
-            IdKind::Leaf => self.leaves[hits.face[i] as usize],
-            IdKind::Face => hits.face[i],
-            IdKind::Placement => hits.placement[i] as i32,
+            IdKind::Region => rays.seen(i).0 as i32,
+            IdKind::Leaf => self.leaves[rays.hits.face[i] as usize],
+            IdKind::Face => rays.hits.face[i],
+            IdKind::Placement => rays.hits.placement[i] as i32,
         }
     }
 }
@@ -173,7 +173,7 @@ impl<E: Evaluator> Bands<'_, E> {
         plane.values_mut().chunks_mut(self.tiles().height * self.size.width())
     }
 
-    /// Calls `put` for each pixel whose ray hits something, with its band, its index in the band, the hits,
+    /// Calls `put` for each pixel whose ray hits something, with its band, its index in the band, the rays with their hits,
     /// and the index of its ray there.
     fn trace<B: Send>(
         &self,
@@ -185,17 +185,17 @@ impl<E: Evaluator> Bands<'_, E> {
         let (width, height, level) = (self.size.width(), self.size.height(), Level::new());
         let tiles = self.tiles();
         let scratch = || (self.evaluator.scratch(), Columns::default(), Vec::new());
-        run.each(0.0..1.0, bands.enumerate(), scratch, |(scratch, hits, places), (number, mut band)| {
+        run.each(0.0..1.0, bands.enumerate(), scratch, |(scratch, rays, places), (number, mut band)| {
             let first = number * tiles.height;
             for tile in extent.tiles(tiles, first..(first + tiles.height).min(height)) {
                 tile.centres(places);
-                sweep::rays(level, self.camera, self.size, places, hits);
-                hits.trace(self.evaluator, Query::nearest().window, self.with_normals, scratch);
+                sweep::rays(level, self.camera, self.size, places, rays);
+                rays.trace(self.evaluator, Query::nearest().window, self.with_normals, scratch);
                 let mut ray = 0;
                 for part in &tile.parts {
                     for x in part.columns.clone() {
-                        if hits.is_hit(ray) {
-                            put(&mut band, (part.row - first) * width + x, hits, ray);
+                        if rays.is_hit(ray) {
+                            put(&mut band, (part.row - first) * width + x, rays, ray);
                         }
                         ray += 1;
                     }

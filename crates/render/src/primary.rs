@@ -110,10 +110,10 @@ impl<'a, E: Evaluator> PrimaryRays<'a, E> {
             return Sample::MISS;
         }
         Sample {
-            t: self.sight.t[i],
+            t: self.sight.hits.t[i],
             normal: self.sight.normal(i).as_vec3().to_array(),
-            face: self.sight.face[i] as u32,
-            placement: self.sight.placement[i],
+            face: self.sight.hits.face[i] as u32,
+            placement: self.sight.hits.placement[i],
             region: self.sight.seen(i).0,
             lit: self.lit[i],
         }

@@ -38,9 +38,9 @@ fn surfaces_in_lanes(columns: &mut Columns, points: &mut [Vec<f64>; 3]) {
     let n = columns.len();
     let [ox, oy, oz] = columns.origins.each_ref().map(|column| &column[..n]);
     let [dx, dy, dz] = columns.directions.each_ref().map(|column| &column[..n]);
-    let [nx, ny, nz] = columns.normal.each_mut().map(|column| &mut column[..n]);
+    let [nx, ny, nz] = columns.hits.normal.each_mut().map(|column| &mut column[..n]);
     let [px, py, pz] = points.each_mut().map(|column| &mut column[..n]);
-    let t = &columns.t[..n];
+    let t = &columns.hits.t[..n];
     for i in 0..n {
         let direction = Vec3::new(dx[i], dy[i], dz[i]);
         let point = Vec3::new(ox[i], oy[i], oz[i]) + t[i] * direction;
@@ -94,7 +94,7 @@ fn cosines_in_lanes(
 ) {
     let n = cosines.len();
     let [px, py, pz] = surfaces.points.each_ref().map(|column| &column[..n]);
-    let [nx, ny, nz] = surfaces.columns.normal.each_ref().map(|column| &column[..n]);
+    let [nx, ny, nz] = surfaces.columns.hits.normal.each_ref().map(|column| &column[..n]);
     let [dx, dy, dz] = surfaces.columns.directions.each_ref().map(|column| &column[..n]);
     let lit = &surfaces.lit[..n];
     for i in 0..n {

@@ -18,15 +18,15 @@ impl Propagator<'_> {
         let (element, surface) = polished_face(system, &crossing)?;
         let (indices, media) = self.indices_of_bundle(now, at, [crossing.before, crossing.after])?;
         let payloads = &now.payloads;
-        let (intensity, t) = (payloads.power[at..].first_chunk()?, hits.t[at..].first_chunk()?);
+        let (intensity, t) = (payloads.power[at..].first_chunk()?, hits.solids.t[at..].first_chunk()?);
         let attenuation = Attenuation::new(&media, intensity, t);
         let is_last =
             payloads.generation[at..at + LANES].iter().any(|k| k + 1 >= self.settings.generation_limit);
         if is_last || !attenuation.exceeds(self.settings.threshold) {
             return None;
         }
-        let (face, [x, y, z]) = (system.faces[crossing.face], &hits.normal);
-        let (rays, crossings) = ((now.rays.rays(), at), (&hits.t[..], [&x[..], y, z]));
+        let (face, [x, y, z]) = (system.faces[crossing.face], &hits.solids.normal);
+        let (rays, crossings) = ((now.rays.rays(), at), (&hits.solids.t[..], [&x[..], y, z]));
         let transmitted = refractor.refract(rays, crossings, &payloads.path, face.surface, &indices)?;
         self.balance.absorbed_in_media += attenuation.absorbed;
         let (row, keeps) = (self.next_parent() + 1, self.settings.keep == Keep::All);

@@ -51,12 +51,12 @@ impl Substance {
 impl Propagator<'_> {
     /// True if a ray starts in a medium with a gradient.
     pub(crate) fn is_graded(&self, hits: &Hits, i: usize) -> bool {
-        self.system.substance(RegionId(hits.before[i])).graded().is_some()
+        self.system.substance(RegionId(hits.solids.before[i])).graded().is_some()
     }
 
     /// Propagates a ray through a medium with a gradient to its next event.
     pub(crate) fn propagate_graded(&mut self, now: &Generation, hits: &Hits, i: usize) {
-        let (system, region) = (self.system, RegionId(hits.before[i]));
+        let (system, region) = (self.system, RegionId(hits.solids.before[i]));
         let mut light = now.get(i);
         let wavelength_nm = light.payload.wavelength_nm;
         let Some(medium) = system.substance(region).graded() else { return };

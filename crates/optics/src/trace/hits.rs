@@ -3,9 +3,8 @@
 use super::generation::Generation;
 use crate::bundle::{FaceCrossing, LaneBounds};
 use crate::system::System;
-use rayweave_math::Vec3;
 use rayweave_model::{
-    Crossing, Face, FirstHits, PlacementId, RayBatch, RegionId, Start, StartLists, SurfaceId,
+    Crossing, Face, FirstHitColumns, FirstHits, PlacementId, RayBatch, RegionId, Start, StartLists, SurfaceId,
 };
 use rayweave_shape::Ray;
 use rayweave_shape::lanes::LANES;
@@ -21,12 +20,8 @@ pub(crate) struct SheetHit {
 /// The nearest hits of the rays of a generation with the solids, and the crossings of sheets before them.
 #[derive(Debug, Default)]
 pub(crate) struct Hits {
-    pub t: Vec<f64>,
-    pub face: Vec<i32>,
-    pub placement: Vec<u32>,
-    pub before: Vec<u32>,
-    pub after: Vec<u32>,
-    pub normal: [Vec<f64>; 3],
+    /// The nearest hits with the solids.
+    pub solids: FirstHitColumns,
     /// Crossings between two regions that belong to different faces on their two sides, by ray.
     pub between: Vec<(usize, Crossing)>,
     /// Crossings of sheets, by ray and time.
@@ -36,11 +31,7 @@ pub(crate) struct Hits {
 impl Hits {
     /// Resizes the columns for a number of rays, and removes all crossings of sheets.
     pub fn reset(&mut self, count: usize) {
-        let ids = [&mut self.placement, &mut self.before, &mut self.after];
-        ids.into_iter().for_each(|column| column.resize(count, 0));
-        self.t.resize(count, 0.0);
-        self.face.resize(count, 0);
-        self.normal.iter_mut().for_each(|column| column.resize(count, 0.0));
+        self.solids.resize(count);
         self.between.clear();
         self.sheets.clear();
     }
@@ -51,7 +42,7 @@ impl Hits {
         let mut left = &self.sheets[self.sheets.partition_point(|hit| hit.ray < at)..];
         let (sheet, surface) = left.first().map(|hit| (hit.sheet, hit.crossing.face.surface))?;
         for i in at..at + LANES {
-            let first = left.first().filter(|hit| hit.ray == i && hit.crossing.t < self.t[i])?;
+            let first = left.first().filter(|hit| hit.ray == i && hit.crossing.t < self.solids.t[i])?;
             if (first.sheet, first.crossing.face.surface) != (sheet, surface) {
                 return None;
             }
@@ -62,15 +53,14 @@ impl Hits {
 
     /// The face that rays `at..at + 8` hit, if it is the same for all.
     pub fn common_face(&self, at: usize) -> Option<usize> {
-        let face = self.face[at];
-        let is_same = self.face[at..at + LANES].iter().all(|&other| other == face);
+        let face = self.solids.face[at];
+        let is_same = self.solids.face[at..at + LANES].iter().all(|&other| other == face);
         usize::try_from(face).ok().filter(|_| is_same)
     }
 
     /// The columns for the evaluator to fill.
     pub fn columns(&mut self) -> (FirstHits<'_>, &mut Vec<(usize, Crossing)>) {
-        let Hits { t, face, placement, before, after, normal: [x, y, z], between, .. } = self;
-        (FirstHits { t, face, placement, before, after, normal: Some([x, y, z]) }, between)
+        (self.solids.hits(), &mut self.between)
     }
 
     /// Sorts the crossings by ray, and those of sheets by time as well.
@@ -81,13 +71,13 @@ impl Hits {
 
     /// The crossing of a ray with the solids.
     pub fn crossing(&self, system: &System, i: usize) -> Option<Crossing> {
-        let face = *system.faces.get(usize::try_from(self.face[i]).ok()?)?;
+        let face = *system.faces.get(usize::try_from(self.solids.face[i]).ok()?)?;
         if let Some((_, crossing)) = self.between(i) {
             return Some(*crossing);
         }
-        let face = Face { placement: PlacementId(self.placement[i]), ..face };
-        let [before, after] = [self.before[i], self.after[i]].map(RegionId);
-        Some(Crossing { t: self.t[i], face, left: face, entered: face, before, after })
+        let face = Face { placement: PlacementId(self.solids.placement[i]), ..face };
+        let [before, after] = [self.solids.before[i], self.solids.after[i]].map(RegionId);
+        Some(Crossing { t: self.solids.t[i], face, left: face, entered: face, before, after })
     }
 
     /// The crossing of rays `at..at + 8`, if all of them cross the same face between the same
@@ -95,11 +85,12 @@ impl Hits {
     /// otherwise.
     pub fn common_crossing(&self, at: usize) -> Option<FaceCrossing> {
         let here = at..at + LANES;
-        let (face, before, after) = (*self.face.get(at)?, self.before[at], self.after[at]);
-        let is_same = self.face.get(here.clone())?.iter().all(|&other| other == face)
-            && self.before[here.clone()].iter().all(|&other| other == before)
-            && self.after[here.clone()].iter().all(|&other| other == after)
-            && self.placement[here].iter().all(|&other| other == 0);
+        let (face, before, after) =
+            (*self.solids.face.get(at)?, self.solids.before[at], self.solids.after[at]);
+        let is_same = self.solids.face.get(here.clone())?.iter().all(|&other| other == face)
+            && self.solids.before[here.clone()].iter().all(|&other| other == before)
+            && self.solids.after[here.clone()].iter().all(|&other| other == after)
+            && self.solids.placement[here].iter().all(|&other| other == 0);
         let between = || self.between_from(at).is_some_and(|(ray, _)| *ray < at + LANES);
         let face = usize::try_from(face).ok().filter(|_| is_same && !between())?;
         let (before, after) = (RegionId(before), RegionId(after));
@@ -113,11 +104,6 @@ impl Hits {
     /// The first of these crossings on the rays `i..`, after sorting.
     fn between_from(&self, i: usize) -> Option<&(usize, Crossing)> {
         self.between.get(self.between.partition_point(|(ray, _)| *ray < i))
-    }
-
-    pub fn normal(&self, i: usize) -> Vec3 {
-        let [x, y, z] = &self.normal;
-        Vec3::new(x[i], y[i], z[i])
     }
 }
 
@@ -154,7 +140,7 @@ impl SheetCandidates {
         let rays = now.rays.rays();
         let mut starts = now.sheet_starts.iter().filter(|start| start.sheet == sheet).peekable();
         for at in (0..now.len()).step_by(LANES) {
-            let eight = if at + LANES <= now.len() { bounds.may_hit(rays, at, &hits.t) } else { None };
+            let eight = if at + LANES <= now.len() { bounds.may_hit(rays, at, &hits.solids.t) } else { None };
             if eight == Some(0) {
                 continue;
             }

@@ -72,14 +72,18 @@ impl<'t> Propagator<'t> {
     /// false and changes nothing for any other event.
     fn transmit(&mut self, now: &Generation, hits: &Hits, i: usize) -> bool {
         let system = self.system;
-        let (before, after) = (RegionId(hits.before[i]), RegionId(hits.after[i]));
-        let Ok(number) = usize::try_from(hits.face[i]) else { return false };
+        let (before, after) = (RegionId(hits.solids.before[i]), RegionId(hits.solids.after[i]));
+        let Ok(number) = usize::try_from(hits.solids.face[i]) else { return false };
         let (Ok(left), Ok(entered)) = (system.polished(before, number), system.polished(after, number))
         else {
             return false;
         };
         let is_uniform = |region| system.substance(region).is_uniform();
-        if hits.placement[i] != 0 || !is_uniform(before) || !is_uniform(after) || hits.between(i).is_some() {
+        if hits.solids.placement[i] != 0
+            || !is_uniform(before)
+            || !is_uniform(after)
+            || hits.between(i).is_some()
+        {
             return false;
         }
         let mut payload = now.payload(i);
@@ -88,8 +92,8 @@ impl<'t> Propagator<'t> {
         if here.index.re == behind.index.re || payload.power <= 0.0 {
             return false;
         }
-        let (ray, t) = (now.rays.rays().get(i), hits.t[i]);
-        let normal = oriented_against(hits.normal(i), ray.direction);
+        let (ray, t) = (now.rays.rays().get(i), hits.solids.t[i]);
+        let normal = oriented_against(hits.solids.normal(i), ray.direction);
         let Some(direction) = refract(ray.direction, normal, here.index.re / behind.index.re) else {
             return false;
         };
@@ -124,7 +128,7 @@ impl<'t> Propagator<'t> {
     /// Propagates a ray to its next event, straight through the sheets that transmit it unchanged.
     fn propagate(&mut self, now: &Generation, hits: &Hits, i: usize, sheets: &[SheetHit]) {
         let (mut light, known) = (now.get(i), now.starts_of(i));
-        let region = RegionId(hits.before[i]);
+        let region = RegionId(hits.solids.before[i]);
         let solid = hits.crossing(self.system, i);
         let end = solid.map_or(f64::INFINITY, |crossing| crossing.t);
         // a sheet within the tolerance of a face is crossed before the face
@@ -142,7 +146,7 @@ impl<'t> Propagator<'t> {
         match solid {
             None => self.escape(&light, region, from),
             Some(crossing) => {
-                let normal = oriented_against(hits.normal(i), light.ray.direction);
+                let normal = oriented_against(hits.solids.normal(i), light.ray.direction);
                 let row = self.travel(&mut light, region, (from, crossing.t));
                 self.hit_face(&light, row, (&crossing, normal), known);
             }
