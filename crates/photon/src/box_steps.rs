@@ -10,6 +10,7 @@ use crate::detector::{DetectionRule, Detector, Meeting};
 use crate::draws::{LEAST_EXPONENTIAL, Words, exponential, free_path_uniforms};
 use crate::flight::{End, Flight};
 use crate::material::{Bulk, MaterialValues, ValueTable};
+use crate::rows::{Row, get, load, put, vector};
 use crate::settings::RunSettings;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -17,7 +18,7 @@ use rayweave_math::Vec3;
 use rayweave_model::{AxisBox, BoxCell, BoxCells, BoxStart, PlacementId, RegionId, Start, SurfaceId};
 use rayweave_optics::start_surfaces::PlaneContact;
 use rayweave_shape::dispatch_wide;
-use rayweave_shape::lanes::{LANES, Lanes, Mask, Vec3Lanes, WideLevel, splat};
+use rayweave_shape::lanes::{LANES, Lanes, Mask, WideLevel, splat};
 
 /// The largest number of boxes of a cell.
 const BOXES: usize = BoxCells::MOST;
@@ -30,8 +31,6 @@ const FEW: u32 = 3;
 
 /// No cell.
 const NONE: u32 = u32::MAX;
-
-type Row = [f64; LANES];
 
 /// The steps of photons in the boxes of a detector.
 pub(crate) struct BoxSteps<'d> {
@@ -192,16 +191,6 @@ struct Meetings {
 
 fn set(mask: &mut u64, lane: usize, value: bool) {
     *mask = *mask & !(1 << lane) | u64::from(value) << lane;
-}
-
-fn put(rows: &mut [Row; 3], lane: usize, vector: Vec3) {
-    for k in 0..3 {
-        rows[k][lane] = vector[k];
-    }
-}
-
-fn get(rows: &[Row; 3], lane: usize) -> Vec3 {
-    Vec3::new(rows[0][lane], rows[1][lane], rows[2][lane])
 }
 
 impl<'d> BoxSteps<'d> {
@@ -479,21 +468,11 @@ struct World<'d> {
     of_faces: &'d [u32],
 }
 
-#[inline(always)]
-fn row<S: Simd>(simd: S, row: &Row) -> Lanes<S> {
-    Lanes::load_array_ref(simd, row)
-}
-
-#[inline(always)]
-fn vector<S: Simd>(simd: S, rows: &[Row; 3]) -> Vec3Lanes<S> {
-    Vec3Lanes { x: row(simd, &rows[0]), y: row(simd, &rows[1]), z: row(simd, &rows[2]) }
-}
-
 /// Writes vectors in some lanes.
 #[inline(always)]
 fn write<S: Simd>(simd: S, rows: &mut [Row; 3], some: Mask<S>, values: &[Row; 3]) {
     for k in 0..3 {
-        some.select(row(simd, &values[k]), row(simd, &rows[k])).store_array(&mut rows[k]);
+        some.select(load(simd, &values[k]), load(simd, &rows[k])).store_array(&mut rows[k]);
     }
 }
 
@@ -535,8 +514,8 @@ impl Listed {
     fn heights<S: Simd>(&self, simd: S, origin: [Lanes<S>; 3]) -> [[Lanes<S>; 2]; 3] {
         let mut heights = [[origin[0]; 2]; 3];
         for k in 0..3 {
-            let local = origin[k] + row(simd, &self.shift[k]);
-            heights[k] = [local + row(simd, &self.low[k]), row(simd, &self.high[k]) - local];
+            let local = origin[k] + load(simd, &self.shift[k]);
+            heights[k] = [local + load(simd, &self.low[k]), load(simd, &self.high[k]) - local];
         }
         heights
     }
@@ -554,7 +533,7 @@ impl Eight {
         let rises = [d[0].simd_gt(zero), d[1].simd_gt(zero), d[2].simd_gt(zero)];
         let (near, apart) = (splat(simd, margin), splat(simd, margin) / speed);
         let (infinity, slow) = (splat(simd, f64::INFINITY), speed * BoxCells::SLOW);
-        let axis = row(simd, &self.axis);
+        let axis = load(simd, &self.axis);
         let mut next = Next {
             t: infinity,
             second: infinity,
@@ -579,9 +558,9 @@ impl Eight {
             next.second = is_closer.select(next.t, next.second.min(t));
             next.t = is_closer.select(t, next.t);
             next.axis = is_closer.select(splat(simd, k as f64), next.axis);
-            let offset = rises[k].select(row(simd, &own.high[k]), row(simd, &own.low[k]));
+            let offset = rises[k].select(load(simd, &own.high[k]), load(simd, &own.low[k]));
             next.offset = is_closer.select(offset, next.offset);
-            next.shift = is_closer.select(row(simd, &own.shift[k]), next.shift);
+            next.shift = is_closer.select(load(simd, &own.shift[k]), next.shift);
         }
         for place in 1..BOXES {
             let other = &self.boxes[place];
@@ -616,9 +595,9 @@ impl Eight {
             let is_later = enter.simd_gt(from);
             from = is_later.select(enter, from);
             axis = is_later.select(splat(simd, k as f64), axis);
-            let face = rises[k].select(row(simd, &other.low[k]), row(simd, &other.high[k]));
+            let face = rises[k].select(load(simd, &other.low[k]), load(simd, &other.high[k]));
             offset = is_later.select(face, offset);
-            shift = is_later.select(row(simd, &other.shift[k]), shift);
+            shift = is_later.select(load(simd, &other.shift[k]), shift);
         }
         let passes = Mask::from_bitmask(simd, met) & from.simd_lt(to) & !to.simd_lt(-apart);
         let is_ahead = from.simd_gt(apart);
@@ -647,7 +626,7 @@ impl Eight {
         let known = self.active & !limited & !next.unsure.to_bitmask();
         let [long, absorbed] = self.free(simd, world, (known, &counters), next.t);
         counts.absorbed[0] += u64::from(absorbed.count_ones());
-        let time = row(simd, &self.time) + next.t / row(simd, &self.velocity);
+        let time = load(simd, &self.time) + next.t / load(simd, &self.velocity);
         let reached = known & long & time.simd_le(splat(simd, world.max_time)).to_bitmask();
         let contact = self.contact(simd, world, &next);
         let mut ends = Ends {
@@ -670,7 +649,7 @@ impl Eight {
         self.apply(simd, world.seed, (&mut group, &met, alone), (&mut ends, &mut *counts));
         let stepped = Mask::from_bitmask(simd, ends.stepped);
         write(simd, &mut self.position, stepped, &contact.on_face);
-        stepped.select(time, row(simd, &self.time)).store_array(&mut self.time);
+        stepped.select(time, load(simd, &self.time)).store_array(&mut self.time);
         for lane in 0..LANES {
             self.counters[2][lane] += ends.stepped >> lane & 1;
         }
@@ -692,8 +671,8 @@ impl Eight {
         let uniforms = free_path_uniforms(*counters, world.seed);
         let mut is_long = Mask::splat(simd, true);
         for k in 0..PATHS {
-            let rest = splat(simd, 1.0) - row(simd, &uniforms[k]);
-            let least = row(simd, &self.paths[k]) * rest * LEAST_EXPONENTIAL;
+            let rest = splat(simd, 1.0) - load(simd, &uniforms[k]);
+            let least = load(simd, &self.paths[k]) * rest * LEAST_EXPONENTIAL;
             is_long &= least.simd_gt(t);
         }
         let (mut long, mut absorbed) = (is_long.to_bitmask(), 0);
@@ -742,7 +721,7 @@ impl Eight {
         for k in 0..3 {
             let is_across = axis.simd_eq(splat(simd, k as f64));
             is_across.select(against, flat).store_array(&mut contact.normal[k]);
-            is_across.select(on_face, row(simd, &points[k])).store_array(&mut contact.on_face[k]);
+            is_across.select(on_face, load(simd, &points[k])).store_array(&mut contact.on_face[k]);
         }
         contact
     }
@@ -763,7 +742,7 @@ impl Eight {
             met.painted |= listed.painted & bits;
             met.detecting |= listed.detecting & bits;
             for j in 0..3 {
-                values[j] = here.select(row(simd, &listed.values[j]), values[j]);
+                values[j] = here.select(load(simd, &listed.values[j]), values[j]);
             }
         }
         for j in 0..3 {

@@ -5,6 +5,7 @@
 
 use crate::flight::Flight;
 use crate::philox::{COSINE, MULTIPLIERS, PURPOSE_SHIFT, Purpose, ROUNDS, SINE, Stream, UNIT, WEYL};
+use crate::rows::lane_of;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
 use rayweave_math::Vec3;
@@ -123,10 +124,7 @@ fn isotropic_lanes<S: Simd>(
                 let turns = load(uniforms(&second[0], &second[1]));
                 let polarisation = around(simd, direction, splat(simd, 0.0), turns);
                 for lane in 0..count {
-                    put([direction, polarisation].map(|vector| {
-                        let at = |values: Lanes<S>| values.as_slice()[lane % LANES];
-                        Vec3::new(at(vector.x), at(vector.y), at(vector.z))
-                    }));
+                    put([lane_of(&direction, lane), lane_of(&polarisation, lane)]);
                 }
             }
         },

@@ -35,6 +35,7 @@ pub mod philox;
 mod photon;
 mod propagate;
 pub mod property;
+mod rows;
 mod sample;
 mod scatter;
 mod scintillation;

@@ -8,7 +8,7 @@ use crate::boundary::{
 };
 use crate::box_steps::{BatchPhotons, BoxSteps};
 use crate::detector::{DetectionRule, Detector, Meeting};
-use crate::draws::{Draws, LEAST_EXPONENTIAL, counter, exponential, isotropic};
+use crate::draws::{Draws, LEAST_EXPONENTIAL, counter, exponential};
 use crate::error::PhotonError;
 use crate::flight::{End, Flight};
 use crate::history::{Histories, HistoryOptions, HistoryRecorder, Process, Recorder};
@@ -18,13 +18,13 @@ use crate::philox::{Purpose, Stream};
 use crate::photon::{EventKey, Photon};
 use crate::scatter::{self, LaneScattering};
 use crate::settings::{RunSettings, TimeProfile};
-use crate::source::Source;
+use crate::source::{Source, turned};
 use crate::volume::VolumePaths;
 use rayweave_math::Vec3;
 use rayweave_model::drive::{Stopped, drive, thread_count};
 use rayweave_model::memory::{Growth, Shortage};
 use rayweave_model::{
-    Crossing, Evaluator, Face, FirstHits, PlacementId, Query, RayBatch, RegionId, Start, StartLists,
+    Crossing, Evaluator, Face, FirstHitColumns, PlacementId, Query, RayBatch, RegionId, Start, StartLists,
 };
 use rayweave_optics::start_surfaces::ExitSide;
 use std::collections::BTreeMap;
@@ -190,7 +190,10 @@ pub(crate) struct Batch<'d, E: Evaluator, R: Recorder> {
     starts: Vec<Start>,
     next_first: Vec<u32>,
     next_starts: Vec<Start>,
-    found: Columns,
+    /// The next crossings of the photons of the chunk.
+    found: FirstHitColumns,
+    /// Those between two regions that belong to different faces on their two sides.
+    between: Vec<(usize, Crossing)>,
     /// The end of the step of each photon.
     stages: Vec<Stage>,
     bare: LaneBoundaries,
@@ -224,34 +227,6 @@ impl<K: Copy + Ord> Tally<K> {
     /// The counts, which begin at 0 again.
     fn take(&mut self) -> BTreeMap<K, u64> {
         self.0.drain(..).collect()
-    }
-}
-
-/// The next crossings of the photons of a batch.
-#[derive(Debug, Default)]
-struct Columns {
-    t: Vec<f64>,
-    face: Vec<i32>,
-    placement: Vec<u32>,
-    before: Vec<u32>,
-    after: Vec<u32>,
-    normal: [Vec<f64>; 3],
-    between: Vec<(usize, Crossing)>,
-}
-
-impl Columns {
-    fn reset(&mut self, count: usize) {
-        self.t.resize(count, 0.0);
-        self.face.resize(count, 0);
-        [&mut self.placement, &mut self.before, &mut self.after]
-            .into_iter()
-            .for_each(|ids| ids.resize(count, 0));
-        self.normal.iter_mut().for_each(|column| column.resize(count, 0.0));
-        self.between.clear();
-    }
-
-    fn normal(&self, i: usize) -> Vec3 {
-        Vec3::new(self.normal[0][i], self.normal[1][i], self.normal[2][i])
     }
 }
 
@@ -304,7 +279,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             starts: Vec::new(),
             next_first: vec![0],
             next_starts: Vec::new(),
-            found: Columns::default(),
+            found: FirstHitColumns::default(),
+            between: Vec::new(),
             stages: Vec::new(),
             bare: LaneBoundaries::bare(),
             painted: LaneBoundaries::painted(),
@@ -376,9 +352,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         let flight = |origin, photon| Flight { origin, number: key.number(origin), steps: 0, region, photon };
         if let Some(template) = source.at_point() {
             let mut origins = numbers.clone();
-            let streams = numbers.map(|origin| key.number(origin));
-            isotropic(key.seed, streams, |[direction, polarisation]| {
-                let photon = Photon { direction, polarisation, ..template };
+            turned(template, key, numbers, |photon| {
                 self.flights.extend(origins.next().map(|origin| flight(origin, photon)));
             });
         } else {
@@ -506,14 +480,12 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         let lists = StartLists { first: &self.first, entries: &self.starts }.slice(self.chunk.clone());
         // rays with a start list, even an empty one, may start inside
         let query = Query { starts: Some(lists), ..Query::nearest() };
-        self.found.reset(flights.len());
-        let Columns { t, face, placement, before, after, normal: [x, y, z], between } = &mut self.found;
-        let mut columns = FirstHits { t, face, placement, before, after, normal: Some([x, y, z]) };
-        let query = (&query, &self.regions[..]);
-        self.evaluator.nearest_in(self.rays.rays(), query, &mut self.scratch, &mut columns, between);
-        let Columns { face, between, .. } = &mut self.found;
-        for ((ray, _), number) in between.iter().zip(0..) {
-            face[*ray] = BETWEEN - number;
+        self.found.resize(flights.len());
+        self.between.clear();
+        let (query, mut hits) = ((&query, &self.regions[..]), self.found.hits());
+        self.evaluator.nearest_in(self.rays.rays(), query, &mut self.scratch, &mut hits, &mut self.between);
+        for ((ray, _), number) in self.between.iter().zip(0..) {
+            self.found.face[*ray] = BETWEEN - number;
         }
     }
 
@@ -532,7 +504,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     fn crossing(&self, i: usize) -> Option<Crossing> {
         let face = self.found.face[i];
         if face <= BETWEEN {
-            return self.found.between.get((BETWEEN - face) as usize).map(|(_, crossing)| *crossing);
+            return self.between.get((BETWEEN - face) as usize).map(|(_, crossing)| *crossing);
         }
         let face = self.detector.faces.get(usize::try_from(face).ok()?)?;
         let face = Face { placement: PlacementId(self.found.placement[i]), ..*face };
@@ -571,7 +543,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
 
     /// Reads the data of the contacts of all photons at boundaries ahead.
     fn read_ahead(&self) {
-        let Columns { face, placement, .. } = &self.found;
+        let FirstHitColumns { face, placement, .. } = &self.found;
         let at_boundary =
             self.stages.iter().zip(face).zip(placement).filter_map(|((stage, &face), &placement)| {
                 let face = self.detector.faces.get(usize::try_from(face).ok()?)?;

@@ -1,9 +1,10 @@
 //! Bare polished interfaces between two dielectrics, eight photons at a time.
 
 use super::event::BoundaryEvent;
-use super::lanes::{Group, load, minus, mirrored, negative, normalised, scaled, vector};
+use super::lanes::{Group, mirrored, normalised};
 use super::process::GRAZING;
 use crate::draws::boundary_uniforms;
+use crate::rows::{load, minus, negative, vector};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_shape::lanes::{Lanes, Mask, Vec3Lanes, splat};
@@ -39,7 +40,7 @@ impl Group {
         let cosine2 = (one - sin2 * sin2).sqrt().copysign(cosine);
         let across = p.or_where(is_oblique, normalised(simd, d.cross(f)));
         let s = p.dot(across);
-        let rest = minus(p, scaled(across, s));
+        let rest = minus(p, across.times(s));
         let (s, p1) = (is_oblique.select(s, zero), is_oblique.select(rest.length_squared().sqrt(), one));
         let flux = index * 2.0 * cosine;
         let s2 = flux * s / (index * cosine + behind * cosine2);
@@ -52,12 +53,12 @@ impl Group {
         let is_through = !is_total & uniform.simd_lt(transmittance);
         // as `Process::refract`, `Process::reflect_wave` and `Process::mirror`
         let bend = cosine - cosine2 * (behind / index);
-        let bent = normalised(simd, d.plus(scaled(f, bend)));
+        let bent = normalised(simd, d.plus(f.times(bend)));
         let direction = mirror.or_where(is_through, d.or_where(is_oblique, bent));
         let (s, p1) = (is_through.select(s2, s2 - s), is_through.select(p2, behind * p2 / index - p1));
         let along = normalised(simd, direction.cross(across));
         let length = (s * s + p1 * p1).sqrt();
-        let sum = scaled(along, p1).plus(scaled(across, s));
+        let sum = along.times(p1).plus(across.times(s));
         let turned = Vec3Lanes { x: sum.x / length, y: sum.y / length, z: sum.z / length };
         let is_denser = behind.simd_gt(index);
         let upright = p.or_where(!is_through & is_denser, negative(p));

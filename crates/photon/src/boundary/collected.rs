@@ -2,9 +2,10 @@
 //! bits. The kernels of the processes are in [`bare`](super::bare) and [`painted`](super::painted).
 
 use super::event::BoundaryEvent;
-use super::lanes::{Group, Planes, Row};
+use super::lanes::{Group, Planes};
 use super::{bare, painted};
 use crate::draws::Counter;
+use crate::rows::get;
 use fearless_simd::Simd;
 use rayweave_math::Vec3;
 use rayweave_optics::start_surfaces::StartSurfaces;
@@ -154,7 +155,6 @@ impl LaneBoundaries {
         if bit(group.unsure) {
             return None;
         }
-        let vector = |rows: &[Row; 3]| Vec3::new(rows[0][lane], rows[1][lane], rows[2][lane]);
         let [first, second, third] = match self.kind {
             Kind::Bare => bare::EVENTS,
             Kind::Painted => painted::EVENTS,
@@ -168,11 +168,11 @@ impl LaneBoundaries {
         };
         Some(Departed {
             event,
-            direction: vector(&group.direction),
-            polarisation: vector(&group.polarisation),
+            direction: get(&group.direction, lane),
+            polarisation: get(&group.polarisation, lane),
             is_behind: bit(group.is_behind),
             contact: bit(group.on_plane).then(|| PlanePoint {
-                position: vector(&group.position),
+                position: get(&group.position, lane),
                 is_rising: bit(group.rising),
                 is_falling: bit(group.falling),
                 is_alone: bit(group.alone),

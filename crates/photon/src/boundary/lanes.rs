@@ -3,17 +3,15 @@
 
 use super::process::GRAZING;
 use crate::draws::Words;
+use crate::rows::{Row, load, minus, store, vector};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
 use rayweave_optics::start_surfaces::PlaneContact;
-use rayweave_shape::lanes::{LANES, Lanes, Mask, Vec3Lanes, splat};
+use rayweave_shape::lanes::{LANES, Mask, Vec3Lanes, splat};
 
 /// Planes, and the lengths for which their boxes hold.
 pub(super) type Planes<'p> = (&'p [PlaneContact], f64);
-
-/// A number of each of eight photons.
-pub(super) type Row = [f64; LANES];
 
 /// Eight photons: before the process, then after it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -49,47 +47,14 @@ pub(crate) struct Group {
 }
 
 #[inline(always)]
-pub(super) fn load<S: Simd>(simd: S, row: &Row) -> Lanes<S> {
-    Lanes::load_array_ref(simd, row)
-}
-
-#[inline(always)]
-pub(super) fn vector<S: Simd>(simd: S, rows: &[Row; 3]) -> Vec3Lanes<S> {
-    Vec3Lanes { x: load(simd, &rows[0]), y: load(simd, &rows[1]), z: load(simd, &rows[2]) }
-}
-
-#[inline(always)]
-pub(super) fn store<S: Simd>(vector: Vec3Lanes<S>, rows: &mut [Row; 3]) {
-    vector.x.store_array(&mut rows[0]);
-    vector.y.store_array(&mut rows[1]);
-    vector.z.store_array(&mut rows[2]);
-}
-
-/// The product of a vector and a number.
-#[inline(always)]
-pub(super) fn scaled<S: Simd>(vector: Vec3Lanes<S>, factor: Lanes<S>) -> Vec3Lanes<S> {
-    Vec3Lanes { x: vector.x * factor, y: vector.y * factor, z: vector.z * factor }
-}
-
-#[inline(always)]
-pub(super) fn minus<S: Simd>(a: Vec3Lanes<S>, b: Vec3Lanes<S>) -> Vec3Lanes<S> {
-    Vec3Lanes { x: a.x - b.x, y: a.y - b.y, z: a.z - b.z }
-}
-
-#[inline(always)]
-pub(super) fn negative<S: Simd>(v: Vec3Lanes<S>) -> Vec3Lanes<S> {
-    Vec3Lanes { x: -v.x, y: -v.y, z: -v.z }
-}
-
-#[inline(always)]
 pub(super) fn normalised<S: Simd>(simd: S, vector: Vec3Lanes<S>) -> Vec3Lanes<S> {
-    scaled(vector, splat(simd, 1.0) / vector.length_squared().sqrt())
+    vector.times(splat(simd, 1.0) / vector.length_squared().sqrt())
 }
 
 /// [`mirrored`](super::process::mirrored) for eight vectors.
 #[inline(always)]
 pub(super) fn mirrored<S: Simd>(vector: Vec3Lanes<S>, normal: Vec3Lanes<S>) -> Vec3Lanes<S> {
-    minus(vector, scaled(normal, vector.dot(normal) * 2.0))
+    minus(vector, normal.times(vector.dot(normal) * 2.0))
 }
 
 /// [`renormalised`](super::renormalised) for eight vectors, and the lanes in which they are unit vectors up to rounding.
@@ -97,7 +62,7 @@ pub(super) fn mirrored<S: Simd>(vector: Vec3Lanes<S>, normal: Vec3Lanes<S>) -> V
 pub(super) fn renormalised<S: Simd>(simd: S, vector: Vec3Lanes<S>) -> (Vec3Lanes<S>, Mask<S>) {
     let square = vector.length_squared();
     let is_near = (square - 1.0).abs().simd_lt(splat(simd, 1e-8));
-    (scaled(vector, splat(simd, 1.5) - square * 0.5), is_near)
+    (vector.times(splat(simd, 1.5) - square * 0.5), is_near)
 }
 
 /// The image of a vector under the identity matrix, by the operations of a product: without negative zeros.
@@ -139,12 +104,12 @@ impl Group {
         let shifted = Mask::from_bitmask(simd, shifted);
         let local_origin = origin.or_where(shifted, unturned(origin).plus(shift));
         let local_direction = direction.or_where(shifted, unturned(direction));
-        let value = local_origin.plus(scaled(local_direction, t)).dot(normal) - load(simd, &rows[15]);
+        let value = local_origin.plus(local_direction.times(t)).dot(normal) - load(simd, &rows[15]);
         let out = vector(simd, &self.normal);
         let along = out.or_where(shifted, unturned(out));
         let step = value / normal.dot(along);
         let is_finite = step.abs().simd_lt(splat(simd, f64::INFINITY));
-        let point = origin.plus(scaled(direction, t));
+        let point = origin.plus(direction.times(t));
         let length = |v: Vec3Lanes<S>| v.x.abs() + v.y.abs() + v.z.abs();
         let is_near = (length(origin) + t.abs() * length(direction)).simd_le(splat(simd, alone_lengths));
         let is_above = low.x.simd_le(point.x) & low.y.simd_le(point.y) & low.z.simd_le(point.z);
@@ -154,7 +119,7 @@ impl Group {
         let zero = splat(simd, 0.0);
         self.rising = slope.simd_gt(zero).to_bitmask();
         self.falling = slope.simd_lt(zero).to_bitmask();
-        store(point.or_where(is_finite, minus(point, scaled(out, step))), &mut self.position);
+        store(point.or_where(is_finite, minus(point, out.times(step))), &mut self.position);
     }
 
     /// Stores the directions and polarisations after the process; `f` are the normals. Photons whose directions are not on their side

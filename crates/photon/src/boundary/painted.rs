@@ -1,9 +1,10 @@
 //! Paint and metal that reflect by one rule, eight photons at a time.
 
 use super::event::BoundaryEvent;
-use super::lanes::{Group, load, minus, mirrored, negative, normalised, vector};
+use super::lanes::{Group, mirrored, normalised};
 use crate::draws::{around, boundary_uniforms};
 use crate::property::PropertyTable;
+use crate::rows::{load, minus, negative, vector};
 use crate::surface::{OpticalSurface, SurfaceFinish, SurfaceModel, SurfaceType};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;

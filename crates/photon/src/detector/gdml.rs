@@ -174,6 +174,13 @@ impl Placement {
 }
 
 impl Volumes {
+    /// The regions behind a border of the table: those of its second placement.
+    pub fn behind_border(&self, border: &Datum) -> impl Iterator<Item = u32> {
+        let second = border.list("placements").filter_map(Datum::as_text).nth(1);
+        let placements = second.into_iter().flat_map(|name| self.found_by_name(name));
+        placements.filter_map(|placement| self.regions.get(&placement.volume)).flatten().copied()
+    }
+
     /// The placements that a border surface finds by a name: one, or the copies of a replicated volume. None for unknown names.
     pub fn found_by_name(&self, name: &str) -> impl Iterator<Item = &Placement> {
         self.placements.get(name).into_iter().flatten().filter(|placement| placement.is_first)

@@ -50,10 +50,7 @@ pub(super) fn detecting_regions(
     let detecting: HashMap<&str, &OpticalSurface> =
         surfaces.iter().filter(|own| own.detects()).map(|own| (own.name.as_str(), own)).collect();
     for row in table.list("border").filter(|row| detecting.contains_key(row.text("surface"))) {
-        let second = row.list("placements").filter_map(Datum::as_text).nth(1);
-        for placement in second.into_iter().flat_map(|name| volumes.found_by_name(name)) {
-            regions.extend(volumes.regions.get(&placement.volume).into_iter().flatten());
-        }
+        regions.extend(volumes.behind_border(row));
     }
     let neighbours = Neighbours::new(volumes);
     let material = |region: u32| {

@@ -156,10 +156,7 @@ impl Lint<'_> {
         let volumes = &self.optics.volumes;
         let mut regions = self.regions_of_skin(surface);
         for row in self.table.list("border").filter(|row| row.text("surface") == surface) {
-            let second = row.list("placements").filter_map(Datum::as_text).nth(1);
-            for placement in second.into_iter().flat_map(|name| volumes.found_by_name(name)) {
-                regions.extend(volumes.regions.get(&placement.volume).into_iter().flatten());
-            }
+            regions.extend(volumes.behind_border(row));
         }
         regions
     }

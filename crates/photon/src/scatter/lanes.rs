@@ -4,11 +4,12 @@
 use crate::draws::{Counter, Words, around, counter, scattering_uniforms};
 use crate::flight::Flight;
 use crate::philox::{Purpose, Stream};
+use crate::rows::{Row, lane_of, minus, negative, put, vector};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
 use rayweave_shape::dispatch_wide;
-use rayweave_shape::lanes::{LANES, Lanes, Vec3Lanes, WideLevel, splat};
+use rayweave_shape::lanes::{LANES, Lanes, WideLevel, splat};
 
 /// Photons that are scattered together.
 #[derive(Debug)]
@@ -30,8 +31,8 @@ struct Eight {
     /// Bit mask of the lanes in use.
     active: u64,
     at: [usize; LANES],
-    direction: [[f64; LANES]; 3],
-    polarisation: [[f64; LANES]; 3],
+    direction: [Row; 3],
+    polarisation: [Row; 3],
     counters: [Words; 3],
     /// The next block of the random numbers of each photon.
     blocks: Words,
@@ -87,9 +88,9 @@ impl Eight {
     fn put(&mut self, lane: usize, at: usize, photon: &Scattered) {
         self.active |= 1 << lane;
         self.at[lane] = at;
+        put(&mut self.direction, lane, photon.direction);
+        put(&mut self.polarisation, lane, photon.polarisation);
         for k in 0..3 {
-            self.direction[k][lane] = photon.direction[k];
-            self.polarisation[k][lane] = photon.polarisation[k];
             self.counters[k][lane] = u64::from(photon.counter[k]);
         }
         self.blocks[lane] = 0;
@@ -125,21 +126,12 @@ fn apply<S: Simd>(simd: S, seed: u64, photons: &mut [Scattered]) {
         let [sign, limit] = eight.uniforms(simd, seed);
         let (direction, polarisation) = (vector(simd, &eight.direction), vector(simd, &eight.polarisation));
         let scattered = around(simd, direction, cosine * 2.0 - 1.0, azimuth);
-        let along = scattered.times(polarisation.dot(scattered));
-        let part = Vec3Lanes {
-            x: polarisation.x - along.x,
-            y: polarisation.y - along.y,
-            z: polarisation.z - along.z,
-        };
+        let part = minus(polarisation, scattered.times(polarisation.dot(scattered)));
         let scale = one / part.length_squared().sqrt();
         let is_known = scale.simd_gt(zero) & scale.simd_lt(splat(simd, f64::INFINITY));
         let turned = part.times(scale);
         let is_turned = sign.simd_lt(splat(simd, 0.5));
-        let turned = Vec3Lanes {
-            x: is_turned.select(-turned.x, turned.x),
-            y: is_turned.select(-turned.y, turned.y),
-            z: is_turned.select(-turned.z, turned.z),
-        };
+        let turned = turned.or_where(is_turned, negative(turned));
         let overlap = turned.dot(polarisation);
         let accepted = (overlap * overlap).simd_ge(limit).to_bitmask();
         let known = is_known.to_bitmask();
@@ -147,27 +139,13 @@ fn apply<S: Simd>(simd: S, seed: u64, photons: &mut [Scattered]) {
         for lane in (0..LANES).filter(|lane| done >> lane & 1 == 1) {
             let photon = &mut photons[eight.at[lane]];
             (photon.direction, photon.polarisation) = match known >> lane & 1 {
-                1 => (get(&scattered, lane), get(&turned, lane)),
+                1 => (lane_of(&scattered, lane), lane_of(&turned, lane)),
                 // scattered along the old polarisation
                 _ => photon.scattered_alone(seed),
             };
         }
         eight.active &= !done;
     }
-}
-
-#[inline(always)]
-fn vector<S: Simd>(simd: S, rows: &[[f64; LANES]; 3]) -> Vec3Lanes<S> {
-    Vec3Lanes {
-        x: Lanes::load_array_ref(simd, &rows[0]),
-        y: Lanes::load_array_ref(simd, &rows[1]),
-        z: Lanes::load_array_ref(simd, &rows[2]),
-    }
-}
-
-#[inline(always)]
-fn get<S: Simd>(vectors: &Vec3Lanes<S>, lane: usize) -> Vec3 {
-    Vec3::new(vectors.x.as_slice()[lane], vectors.y.as_slice()[lane], vectors.z.as_slice()[lane])
 }
 
 impl Scattered {

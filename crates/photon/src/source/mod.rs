@@ -27,6 +27,14 @@ pub enum Source {
     Gensteps(Gensteps),
 }
 
+/// Passes on the photons of a range of numbers that are equal to `template` except for random directions and polarisations.
+pub(crate) fn turned(template: Photon, key: EventKey, numbers: Range<u64>, mut put: impl FnMut(Photon)) {
+    let streams = numbers.map(|number| key.number(number));
+    isotropic(key.seed, streams, |[direction, polarisation]| {
+        put(Photon { direction, polarisation, ..template });
+    });
+}
+
 impl Source {
     /// The number of photons, if it is limited.
     #[must_use]
@@ -44,8 +52,8 @@ impl Source {
         Some(photons.iter().map(|&photon| gensteps.parent(photon as u64) as i64).collect())
     }
 
-    /// The photon without its direction and polarisation, if all photons leave one point in [random
-    /// directions](isotropic) and are equal otherwise.
+    /// The photon without its direction and polarisation, if all photons leave one point in [random directions](turned) and are
+    /// equal otherwise.
     pub(crate) fn at_point(&self) -> Option<Photon> {
         let Source::Torch(torch) = self else { return None };
         torch.template().filter(|_| torch.volume().is_none())
@@ -66,10 +74,7 @@ impl Source {
             Source::Torch(torch) => {
                 match torch.template() {
                     Some(template) => {
-                        let streams = numbers.clone().map(|number| key.number(number));
-                        isotropic(key.seed, streams, |[direction, polarisation]| {
-                            photons.push(Photon { direction, polarisation, ..template });
-                        });
+                        turned(template, key, numbers.clone(), |photon| photons.push(photon));
                     }
                     None => photons.extend(numbers.clone().map(|number| torch.photon(&mut stream(number)))),
                 }
