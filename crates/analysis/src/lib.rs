@@ -15,6 +15,8 @@
 //! Functions that compile programs take a function `make` that creates the evaluator of a program.
 
 pub mod check;
+#[cfg(test)]
+mod counted;
 pub mod diff;
 pub mod distance;
 mod error;

@@ -25,10 +25,10 @@ const MAX_SOLIDS: usize = 1024;
 
 /// Intersecting pairs of regions.
 pub struct Intersecting {
-    /// Overlaps of two regions neither of which is inside the other.
+    /// Overlaps of two regions neither of which is inside the other, and of copies of one.
     pub overlaps: Vec<Finding>,
-    /// Pairs, the smaller number first, one of which is inside the other.
-    pub nested: HashSet<(usize, usize)>,
+    /// Pairs of different regions, the smaller number first: those that overlap, and those one of which is inside the other.
+    pub pairs: HashSet<(usize, usize)>,
 }
 
 /// The pairs of regions that intersect.
@@ -37,7 +37,7 @@ pub fn intersecting<E: Evaluator>(
     probe: &mut Probe<'_, E>,
 ) -> Result<Intersecting, AnalysisError> {
     let parts = parts(subject.regions, &subject.boxes)?;
-    let mut found = Intersecting { overlaps: Vec::new(), nested: HashSet::new() };
+    let mut found = Intersecting { overlaps: Vec::new(), pairs: HashSet::new() };
     for ((a, b), common) in common(subject, &parts, probe)? {
         let leaves = [a, b].map(|region| leaves_of(&subject.regions[region].solid));
         let leaves = leaves[0].saturating_add(leaves[1]);
@@ -45,10 +45,11 @@ pub fn intersecting<E: Evaluator>(
             probe.scope.left_out += 1;
             continue;
         }
-        if a != b && is_nested(subject, a, b, probe)? {
-            found.nested.insert((a, b));
-        } else {
+        if a == b || !is_nested(subject, a, b, probe)? {
             found.overlaps.push(overlap(subject, a, b, &common, probe)?);
+        }
+        if a != b {
+            found.pairs.insert((a, b));
         }
     }
     Ok(found)

@@ -14,7 +14,7 @@ use crate::error::Cancelled;
 use crate::survey::{Faces, Piece};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Program, RegionId};
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// The contact of two regions.
@@ -118,9 +118,7 @@ impl Seen {
             self.contacts.entry(pair).and_modify(|known| known.area += contact.area).or_insert(contact);
         }
     }
-}
 
-impl Seen {
     /// Drops the widest places of walls and gaps whose search is not affordable; returns their number.
     fn shorten(&mut self, leaves: u64, budget: &mut Budget) -> u64 {
         let lists = || self.thin.values().chain(self.gaps.values());
@@ -387,21 +385,17 @@ fn gaps<E: Evaluator>(
     found
 }
 
-/// Contacts of regions that are not mother and daughter, not known to overlap, and not nested. If not all pairs were examined, those
+/// Contacts of regions that are not mother and daughter and do not intersect. If not all pairs were examined, those
 /// whose boxes overlap are left out: they may overlap.
 fn contacts(subject: &Subject<'_>, seen: &Seen, known: &Intersecting, scope: &Scope) -> Vec<Finding> {
     let mut found = Vec::new();
-    let overlaps: HashSet<&[String]> =
-        known.overlaps.iter().map(|finding| finding.regions.as_slice()).collect();
     for ([a, b], contact) in &seen.contacts {
         let (k, j) = (a.index() - 1, b.index() - 1);
         let names = [subject.name(k), subject.name(j)];
-        let is_overlap = overlaps.contains(&names.map(str::to_owned)[..]);
-        let is_nested = known.nested.contains(&(k.min(j), k.max(j)));
         let common = subject.boxes[k].intersection(&subject.boxes[j]);
         let is_common = !common.is_empty() && common.size().min_element() > scope.distance;
         let may_overlap = scope.left_out > 0 && is_common;
-        if is_overlap || is_nested || may_overlap || subject.are_kin(k, j) {
+        if known.pairs.contains(&(k, j)) || may_overlap || subject.are_kin(k, j) {
             continue;
         }
         let (text, names) = match a == b {

@@ -3,58 +3,18 @@
 use super::edges::{Grid, Hits};
 use super::facing::Search;
 use super::probe::Budget;
+use crate::counted::Counted;
 use crate::survey::{Piece, Survey, survey};
 use rayweave_math::Vec3;
 use rayweave_model::drive::Cancel;
-use rayweave_model::{Evaluator, Program, Query, Rays, Region, RegionId, Sink, Solid};
+use rayweave_model::{Evaluator, Program, Region, Solid};
 use rayweave_shape::primitive::{Primitive, Sphere};
-use rayweave_trace::Packets;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
-
-/// An evaluator that counts leaves times rays, and an eighth of it for points.
-struct Counted {
-    inner: Packets,
-    work: AtomicU64,
-}
-
-impl Counted {
-    fn count(&self, rays: f64) {
-        let work = rays * self.program().leaves().len() as f64;
-        self.work.fetch_add(work as u64, Ordering::Relaxed);
-    }
-}
-
-impl Evaluator for Counted {
-    type Scratch = <Packets as Evaluator>::Scratch;
-
-    fn name(&self) -> &'static str {
-        "counted"
-    }
-
-    fn program(&self) -> &Program {
-        self.inner.program()
-    }
-
-    fn scratch(&self) -> Self::Scratch {
-        self.inner.scratch()
-    }
-
-    fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut Self::Scratch, sink: &mut dyn Sink) {
-        self.count(rays.len() as f64);
-        self.inner.crossings(rays, query, scratch, sink);
-    }
-
-    fn regions_at(&self, points: [&[f64]; 3], scratch: &mut Self::Scratch, out: &mut [RegionId]) {
-        self.count(out.len() as f64 / 8.0);
-        self.inner.regions_at(points, scratch, out);
-    }
-}
 
 /// The number of balls in one place, each a region.
 const BALLS: usize = 100;
 
-/// The work of the search for edges of the balls within a budget, and the numbers of points of edges and of candidates left out.
+/// The work of the search for edges of the balls within a budget, leaves times rays and an eighth of it for points, and the numbers of points of edges and of candidates left out.
 fn search_of_edges(budget: u64) -> (u64, u64, u64) {
     let ball = |k: usize| Region {
         name: k.to_string(),
@@ -67,7 +27,7 @@ fn search_of_edges(budget: u64) -> (u64, u64, u64) {
     };
     let regions: Vec<Region> = (0..BALLS).map(ball).collect();
     let program = Arc::new(Program::compile_regions(&regions).unwrap());
-    let evaluator = Counted { inner: Packets::new(program), work: AtomicU64::new(0) };
+    let evaluator = Counted::new(program);
     let frame = evaluator.program().bounds();
     let grid = Grid::new(&frame, &frame);
     let settings =
@@ -75,11 +35,12 @@ fn search_of_edges(budget: u64) -> (u64, u64, u64) {
     let mut hits = Hits::default();
     let visit = |hits: &mut Hits, piece: &Piece<'_>| hits.add(piece, &grid, evaluator.program());
     survey(&evaluator, &settings, visit, |some: Hits| hits.append(some)).unwrap();
-    evaluator.work.store(0, Ordering::Relaxed);
+    evaluator.take();
     let mut search = Search::new(evaluator.program(), frame, 1e-3, BALLS as u64);
     let mut scratch = evaluator.scratch();
     search.add(&evaluator, &hits, &grid, &|_| true, &mut Budget::of(budget), &mut scratch);
-    (evaluator.work.load(Ordering::Relaxed), search.count, search.left_out)
+    let [rays, points] = evaluator.take();
+    ((rays + points / 8) * BALLS as u64, search.count, search.left_out)
 }
 
 #[test]

@@ -55,12 +55,12 @@ fn about_axis(q: Vec3, near: Vec3, axis: Vec3) -> (f64, Vec3) {
 
 /// The feet on the four lines in which the cone meets the plane of the point and the axis, and the apex.
 fn on_cone(s: &Cone, point: Vec3, near: Vec3) -> Vec<Vec3> {
-    let (q, norm) = (point - s.apex, 1.0 / (1.0 + s.slope * s.slope).sqrt());
+    let q = point - s.apex;
     let (height, out) = about_axis(q, near - s.apex, s.axis);
     let rho = q.dot(out);
     let mut feet = vec![s.apex];
     for slope in [s.slope, -s.slope] {
-        let along = (height + slope * rho) * norm * norm;
+        let along = (height + slope * rho) / (1.0 + slope * slope);
         feet.push(s.apex + along * (s.axis + slope * out));
     }
     feet

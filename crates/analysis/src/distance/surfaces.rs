@@ -122,7 +122,7 @@ pub fn circles(a: &Surface, b: &Surface) -> Option<Circles> {
 }
 
 /// `sqrt(a^2 - b^2)`; NaN if b is larger.
-pub fn root_of_difference(a: f64, b: f64) -> f64 {
+fn root_of_difference(a: f64, b: f64) -> f64 {
     ((a - b) * (a + b)).sqrt()
 }
 

@@ -4,18 +4,18 @@
 //! scan line are exact. Two neighbouring scan lines with the same faces are joined by straight edges if a third scan
 //! line halfway between them agrees within a tolerance; otherwise the gap is halved, until it is as narrow as a few hundred
 //! rounding errors. Where scan lines have many crossings, the corners of flat faces, computed from the planes of the faces, divide
-//! the gap instead: halving takes some thirty scan lines for each corner, this takes three. A remaining difference becomes a *wall*, an edge along the scan lines. The points of an edge, corners
-//! included, therefore lie on the surfaces up to rounding error, and edges deviate by at most the tolerance. Straight
-//! edges stay straight: the points at their ends are kept when others are left out.
+//! the gap instead, which takes about a twelfth of the scan lines for a star of 1,000 corners. A remaining difference becomes a *wall*, an edge along the scan
+//! lines. The points of an edge, corners included, therefore lie on the surfaces up to rounding error, and edges deviate by at
+//! most the tolerance. Straight edges stay straight: the points at their ends are kept when others are left out.
 //!
 //! Scan lines are evenly spaced, with additional ones at both ends and in the middle of the box of every leaf. A
 //! part that lies between scan lines is missed; such a part is thinner than their spacing and contains neither
 //! ends nor middles of its leaves.
 
+mod corners;
 mod cut;
 mod edge;
 mod error;
-mod events;
 mod link;
 mod plane;
 mod scan_line;

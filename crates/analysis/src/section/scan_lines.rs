@@ -1,6 +1,6 @@
 //! Scan lines: the parallel rays that sweep a plane, refined where neighbours differ.
 
-use super::events::Corners;
+use super::corners::Corners;
 use super::scan_line::{ScanCrossing, ScanLine};
 use super::{Cut, SectionError, SectionRun, SectionWindow};
 use rayweave_model::drive::{Stopped, drive, thread_count};

@@ -1,14 +1,14 @@
 //! Cross-sections compared with closed forms.
 
 use super::*;
+use crate::counted::Counted;
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::{Bounds, Vec3};
-use rayweave_model::{Evaluator, Program, Query, Rays, RegionId, Sink};
+use rayweave_model::{Program, RegionId};
 use rayweave_scene::Scene;
-use rayweave_trace::{AnyEvaluator, Packets};
+use rayweave_trace::AnyEvaluator;
 use std::f64::consts::PI;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 fn scene(text: &str) -> Scene {
     rayweave_scene::parse(&format!("rayweave = 1\n{text}")).unwrap().1
@@ -245,13 +245,13 @@ fn star(corners: usize) -> String {
 }
 
 /// The area of a star is a sum of triangles: 1/2 r R sin(2 pi / n) for each corner. Its corners are exact, and each takes a few scan
-/// lines instead of some seventy.
+/// lines instead of some hundred.
 #[test]
 fn corners_of_a_star_take_few_scan_lines() {
     let n = 1000;
     let scene = scene(&star(n));
     let program = Arc::new(Program::compile_regions(&scene.model_regions()).unwrap());
-    let evaluator = Counted { inner: Packets::new(program), rays: AtomicU64::new(0) };
+    let evaluator = Counted::new(program);
     let plane = "z=0.25".parse::<SectionPlane>().unwrap().cut().unwrap();
     let found = section(&evaluator, &plane, &SectionWindow::new([-21.0; 2], [21.0; 2])).unwrap();
     let area = 0.5 * n as f64 * 200.0 * (2.0 * PI / n as f64).sin();
@@ -260,39 +260,8 @@ fn corners_of_a_star_take_few_scan_lines() {
     assert_eq!(found.contours(RegionId(1)).len(), 1);
     // a tolerance of the width of the spikes: their sides are not confused
     let coarse = SectionWindow { tolerance: 0.02, ..SectionWindow::new([-21.0; 2], [21.0; 2]) };
-    let rays = evaluator.rays.load(Ordering::Relaxed);
+    let [rays, _] = evaluator.take();
     let own = section(&evaluator, &plane, &coarse).unwrap().area(RegionId(1));
     assert!((own - area).abs() < 1e-9 * area, "{own} {area}");
     assert!(rays < 15 * n as u64, "{rays}");
-}
-
-/// An evaluator that counts rays.
-struct Counted {
-    inner: Packets,
-    rays: AtomicU64,
-}
-
-impl Evaluator for Counted {
-    type Scratch = <Packets as Evaluator>::Scratch;
-
-    fn name(&self) -> &'static str {
-        "counted"
-    }
-
-    fn program(&self) -> &Program {
-        self.inner.program()
-    }
-
-    fn scratch(&self) -> Self::Scratch {
-        self.inner.scratch()
-    }
-
-    fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut Self::Scratch, sink: &mut dyn Sink) {
-        self.rays.fetch_add(rays.len() as u64, Ordering::Relaxed);
-        self.inner.crossings(rays, query, scratch, sink);
-    }
-
-    fn regions_at(&self, points: [&[f64]; 3], scratch: &mut Self::Scratch, out: &mut [RegionId]) {
-        self.inner.regions_at(points, scratch, out);
-    }
 }
