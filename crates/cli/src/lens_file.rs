@@ -85,9 +85,7 @@ pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
 
 /// The symbol of the unit of length of a lens; empty for an unusual one.
 pub fn unit(lens: &Prescription) -> &'static str {
-    let near = |unit: &&Unit| (1e9 * unit.metres() / lens.unit_nm - 1.0).abs() < 1e-9;
-    let units = Unit::ALL.map(|(unit, ..)| unit);
-    units.iter().find(near).map_or("", |unit| unit.symbol())
+    Unit::of_metres(1e-9 * lens.unit_nm).map_or("", Unit::symbol)
 }
 
 /// The coordinates of the fields of a lens.

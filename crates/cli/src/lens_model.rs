@@ -52,8 +52,7 @@ impl LensModel {
                 }
             }
         }
-        let unit = Unit::ALL.map(|(unit, ..)| unit);
-        let unit = unit.into_iter().find(|unit| unit.symbol() == lens_file::unit(lens)).unwrap_or_default();
+        let unit = Unit::of_metres(1e-9 * lens.unit_nm).unwrap_or_default();
         let scene = Scene::from_regions(unit, regions, media);
         let sources = sources(lens)?;
         let optics =
@@ -106,14 +105,6 @@ fn sheet_text(
 ) -> String {
     let mut text = format!("\n[[optics.sheet]]\nname = {name:?}\n");
     if let Some(stop) = layout.stop.iter().find(|stop| stop.name == name) {
-        line(
-            &mut text,
-            format_args!(
-                "circle = {:?}\nopening = {{ circle = {:?} }}\naction = \"absorb\"",
-                2.0 * stop.outline,
-                2.0 * stop.opening
-            ),
-        );
         let Asphere { radius, conic, .. } = stop.form.asphere;
         if stop.form != SurfaceForm::from(Asphere::conic(radius, conic)) {
             losses.push(format!(
@@ -122,6 +113,11 @@ fn sheet_text(
             ));
             return String::new();
         }
+        let [circle, opening] = [2.0 * stop.outline, 2.0 * stop.opening];
+        line(
+            &mut text,
+            format_args!("circle = {circle:?}\nopening = {{ circle = {opening:?} }}\naction = \"absorb\""),
+        );
         if radius.is_finite() {
             line(&mut text, format_args!("radius = {radius:?}\nconic = {conic:?}"));
         }

@@ -1,10 +1,10 @@
 //! Drawings of single lens elements in the tabular form of ISO 10110-1: a section along the axis with diameter and centre
 //! thickness, and the indications of both surfaces and of the material.
 
-use crate::dimension;
+use crate::DrawError;
+use crate::dimension::{self, draw_sides};
 use crate::svg::{Anchor, Svg};
 use crate::technical::Scale;
-use crate::{DrawError, dimension::draw_sides};
 use rayweave_error::Message;
 use rayweave_optics::component::{Figure, SurfaceForm};
 use rayweave_scene::Unit;
@@ -68,8 +68,8 @@ const STYLE: &str = "\
 /// # Errors
 /// [`DrawError::Option`] for an element without a size or with a surface that ends within its diameter.
 pub fn lens_element_drawing(element: &LensElement) -> Result<String, DrawError> {
-    let drawn = outline(element).zip(scale(element));
-    let Some((sides, scale)) = drawn else {
+    let drawn = outline(element).and_then(|sides| Some((scale(element, &sides)?, sides)));
+    let Some((scale, sides)) = drawn else {
         let problem = format!("the lens {:?} cannot be drawn", element.title);
         let message = Message::new(problem, "a surface ends within its diameter, or it has no size");
         return Err(DrawError::Option(message.suggest("Check its radii and semi-diameters.")));
@@ -105,8 +105,8 @@ fn extent(sides: &[Vec<[f64; 2]>; 2]) -> [f64; 2] {
     z.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)])
 }
 
-fn scale(element: &LensElement) -> Option<Scale> {
-    let [low, high] = extent(&outline(element)?);
+fn scale(element: &LensElement, sides: &[Vec<[f64; 2]>; 2]) -> Option<Scale> {
+    let [low, high] = extent(sides);
     let (width, height) = (high - low, 2.0 * element.semi_diameter);
     let [left, top, right, bottom] = AREA;
     // half of the width is for the leaders of the radii

@@ -4,10 +4,8 @@ use rayweave_draw::{DrawError, ElementFace, LensElement, lens_element_drawing};
 use rayweave_error::Message;
 use rayweave_lens::prescription::{LensOutline, Prescription, PrescriptionError};
 use rayweave_optics::Medium;
+use rayweave_optics::glass::line_nm;
 use rayweave_scene::Unit;
-
-/// Wavelengths of the d, F and C lines in nanometres.
-const LINES_NM: [f64; 3] = [587.5618, 486.1327, 656.2725];
 
 /// The drawing of a lens of a prescription as SVG, in the tabular form of ISO 10110-1; lenses are counted from 1 in the order of
 /// the light. Without a title, the drawing has the names of prescription and lens.
@@ -27,7 +25,7 @@ const LINES_NM: [f64; 3] = [587.5618, 486.1327, 656.2725];
 ///
 /// # Errors
 ///
-/// Prescriptions without solids, and numbers of lenses that do not exist.
+/// Prescriptions without solids, or in a unit that [`Unit`] does not have, and numbers of lenses that do not exist.
 pub fn lens_drawing(lens: &Prescription, number: usize, title: &str) -> Result<String, crate::Error> {
     let layout = lens.assembly()?;
     let count = layout.lenses.len();
@@ -40,14 +38,20 @@ pub fn lens_drawing(lens: &Prescription, number: usize, title: &str) -> Result<S
         };
         return Err(DrawError::Option(Message::new(format!("there is no lens {number}"), reason)).into());
     };
-    let element = element(lens, outline, &layout.semi_diameters, title)?;
+    let Some(unit) = Unit::of_metres(1e-9 * lens.unit_nm) else {
+        let problem = format!("the unit of the prescription is {} nm", lens.unit_nm);
+        let symbols = Unit::ALL.map(|(_, symbol, _)| symbol).join(", ");
+        let message = Message::new(problem, format!("drawings have lengths in {symbols}"));
+        return Err(DrawError::Option(message.suggest("Scale the prescription to one of them.")).into());
+    };
+    let element = element(lens, outline, (&layout.semi_diameters, unit), title)?;
     Ok(lens_element_drawing(&element)?)
 }
 
 fn element(
     lens: &Prescription,
     outline: &LensOutline,
-    clear: &[f64],
+    (clear, unit): (&[f64], Unit),
     title: &str,
 ) -> Result<LensElement, PrescriptionError> {
     let [a, b] = outline.surfaces;
@@ -65,12 +69,6 @@ fn element(
             is_computed: surface.semi_diameter.is_none(),
         }
     };
-    let metres = lens.unit_nm * 1e-9;
-    let unit = Unit::ALL.map(|(unit, ..)| unit).into_iter();
-    let unit = unit.min_by(|a, b| {
-        let off = |unit: &Unit| (unit.metres() / metres - 1.0).abs();
-        off(a).total_cmp(&off(b))
-    });
     Ok(LensElement {
         title: match (title, lens.name.as_str()) {
             ("", "") => outline.name.clone(),
@@ -82,15 +80,17 @@ fn element(
         faces: [face(0), face(1)],
         thickness: outline.thickness,
         semi_diameter: outline.semi_diameter,
-        unit: unit.unwrap_or_default(),
+        unit,
     })
 }
 
 /// The index at the d line and the Abbe number; none outside the range of the medium.
 fn index(medium: &Medium) -> Option<[f64; 2]> {
     let [low, high] = medium.range_nm();
-    LINES_NM.iter().all(|nm| (low..=high).contains(nm)).then(|| {
-        let [d, f, c] = LINES_NM.map(|nm| medium.index(nm).re);
-        [d, (d - 1.0) / (f - c)]
-    })
+    let indices = ["d", "F", "C"].map(|line| {
+        let nm = line_nm(line).filter(|nm| (low..=high).contains(nm))?;
+        Some(medium.index(nm).re)
+    });
+    let [Some(d), Some(f), Some(c)] = indices else { return None };
+    Some([d, (d - 1.0) / (f - c)])
 }

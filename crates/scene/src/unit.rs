@@ -42,6 +42,12 @@ impl Unit {
         Unit::ALL.iter().find(|(_, own, _)| *own == symbol).map(|(unit, _, _)| *unit)
     }
 
+    /// The unit with this length, up to rounding.
+    pub fn of_metres(metres: f64) -> Option<Unit> {
+        let found = Unit::ALL.iter().find(|(_, _, own)| (own / metres - 1.0).abs() < 1e-9);
+        found.map(|(unit, _, _)| *unit)
+    }
+
     /// Its symbol.
     pub fn symbol(self) -> &'static str {
         self.row().1
@@ -72,8 +78,10 @@ mod tests {
         for (unit, symbol, metres) in Unit::ALL {
             assert_eq!(Unit::parse(symbol), Some(unit));
             assert_eq!((unit.symbol(), unit.metres()), (symbol, metres));
+            assert_eq!(Unit::of_metres(1e-9 * (metres * 1e9)), Some(unit));
         }
         assert_eq!(Unit::parse("furlong"), None);
         assert_eq!(Unit::default().metres(), 0.001);
+        assert_eq!(Unit::of_metres(0.9), None);
     }
 }

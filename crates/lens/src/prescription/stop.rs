@@ -14,7 +14,8 @@ pub const MOUNT: &str = "mount";
 const EQUAL: f64 = 1e-9;
 
 /// The gap between a face and the ring on it, relative to the semi-diameter of the face and to the length of the
-/// system: some 10^4 times the rounding errors of crossings, 64 u times the lengths, so that rays meet the two in a definite order.
+/// system: some 10^4 times the rounding errors of crossings, 64 u times the lengths. The two are placed by different maps and agree
+/// up to rounding only; with the gap, light from the air meets the ring first, so that the face reflects none of what the stop blocks.
 /// The height of a ray on the ring differs by less than the gap from that on the face, unless the ray is steep.
 const GAP: [f64; 2] = [1e-9, 1e-10];
 
