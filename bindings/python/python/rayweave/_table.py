@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import Any, ClassVar, overload
 
@@ -63,7 +63,7 @@ class Table:
     _names: ClassVar[Mapping[str, str]] = {}
 
     def _heading(self) -> str:
-        return f"{type(self).__name__}: {_count(len(self), 'row')}"
+        return f"{type(self).__name__}: {counted(len(self), 'row')}"
 
     def _column(self, name: str) -> NDArray[Any]:
         return np.asarray(getattr(self, name))
@@ -171,7 +171,7 @@ class Table:
         names = [name for name in self._columns if self._column(name).ndim <= 2]
         rows = []
         for row in range(min(most, len(self))):
-            rows.append([_short(self._entry(name, row)) for name in names])
+            rows.append([short(self._entry(name, row)) for name in names])
         return names, rows
 
     def __repr__(self) -> str:
@@ -179,14 +179,12 @@ class Table:
         if not rows:
             return f"<{self._heading()}>"
         more = len(self) - len(rows)
-        widths = [max(len(cell) for cell in cells) for cells in zip(names, *rows, strict=True)]
+        widths = _widths([names, *rows])
         # as many columns as fit into a line of 110 characters
         wide = int(np.searchsorted(np.cumsum([width + 2 for width in widths]), 110, side="right"))
-        lines = []
-        for row in [names, *rows]:
-            cells = [cell.rjust(width) for cell, width in zip(row[:wide], widths[:wide], strict=True)]
-            lines.append("  ".join(cells) + ("  ..." if wide < len(names) else ""))
-        end = [f"... and {_count(more, 'more row')}"] if more else []
+        cut = "  ..." if wide < len(names) else ""
+        lines = [line + cut for line in aligned([row[:wide] for row in [names, *rows]])]
+        end = [f"... and {counted(more, 'more row')}"] if more else []
         return "\n".join([f"<{self._heading()}", *lines, *end]) + ">"
 
     def _repr_html_(self) -> str:
@@ -194,7 +192,7 @@ class Table:
         more = len(self) - len(rows)
         head = "".join(f"<th>{escape(name)}</th>" for name in names)
         body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-        end = f"<p>... and {_count(more, 'more row')}</p>" if more else ""
+        end = f"<p>... and {counted(more, 'more row')}</p>" if more else ""
         heading = f"<p>{escape(self._heading())}</p>"
         return f"{heading}<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{end}"
 
@@ -242,20 +240,31 @@ class Rows(Table):
 
 def table_of(heading: str, entries: Mapping[str, Any]) -> str:
     """The HTML of names and values."""
-    rows = "".join(f"<tr><td>{escape(name)}</td><td>{escape(_short(value))}</td></tr>" for name, value in entries.items())
+    rows = "".join(f"<tr><td>{escape(name)}</td><td>{escape(short(value))}</td></tr>" for name, value in entries.items())
     return f"<p>{escape(heading)}</p><table><tbody>{rows}</tbody></table>"
 
 
-def _count(number: int, noun: str) -> str:
+def _widths(rows: Sequence[Sequence[str]]) -> list[int]:
+    return [max(len(cell) for cell in cells) for cells in zip(*rows, strict=True)]
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Rows of texts as lines, with every column aligned to the right."""
+    widths = _widths(rows)
+    return ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
+
+
+def counted(number: int, noun: str) -> str:
+    """A number with a noun, such as `1 more row` or `2 more rows`."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
-def _short(entry: Any) -> str:
+def short(entry: Any) -> str:
     """An entry in a few characters."""
     if entry is None:
         return "-"
     if isinstance(entry, np.ndarray):
-        return "(" + ", ".join(_short(part.item()) for part in entry.ravel()) + ")"
+        return "(" + ", ".join(short(part.item()) for part in entry.ravel()) + ")"
     if isinstance(entry, float):
         # plus zero: -0 is printed as 0
         return f"{entry + 0.0:.6g}"

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rayweave._package import package
-from rayweave._table import Rows, dataset
-from rayweave._table import _short as short
+from rayweave._table import Rows, aligned, counted, dataset, short
 
 #: The number of rows that `print` shows.
 _PRINTED_ROWS = 40
@@ -110,10 +109,8 @@ class Columns(Mapping[str, NDArray[Any]]):
         cells = [[f"{name} [{self.units[name]}]" if self.units[name] else name for name in names]]
         cells += [[short(self.columns[name][row].item()) for name in names] for row in shown]
         cells += [[short(last.get(name, "")) for name in names]] if last else []
-        widths = [max(len(row[k]) for row in cells) for k in range(len(names))]
-        lines = ["  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True)) for row in cells]
         more = self.rows - len(shown)
-        return "\n".join(lines + [f"... and {more} more row{'s' * (more > 1)}"] * (more > 0))
+        return "\n".join(aligned(cells) + ([f"... and {counted(more, 'more row')}"] if more else []))
 
     def _repr_html_(self) -> str:
         names = {name: f"{name} [{unit}]" if unit else name for name, unit in self.units.items()}

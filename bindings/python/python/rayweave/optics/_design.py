@@ -17,8 +17,7 @@ from rayweave._table import table_of
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import all_of, each, flag, real, text, whole
 from rayweave.optics._images import _labelled
-from rayweave.optics._plot import Plot
-from rayweave.optics._plot import one_axes as _axes
+from rayweave.optics._plot import Plot, one_axes
 from rayweave.optics._prescription import Prescription
 from rayweave.optics._pupil import RINGS
 
@@ -54,7 +53,7 @@ class Sensitivities(Columns):
     def show(self, *, ax: Axes | Plot | None = None, most: int = 20) -> Plot:
         """Draws the changes of the merit as bars, for each parameter one for each side; the parameter with the largest change
         is on top. Only the `most` parameters with the largest changes are drawn."""
-        ax = _axes(ax)
+        ax = one_axes(ax)
         order = np.argsort(self["change"])[-whole(most, "most", least=1) :]
         ax.tick_params(axis="y", labelsize="small" if len(order) > 10 else "medium")
         places, height = np.arange(len(order)), 0.38
@@ -100,7 +99,7 @@ class Trials(Columns):
 
     def show(self, *, ax: Axes | Plot | None = None, bins: int = 40) -> Plot:
         """Draws a histogram of the merits, with the merit without errors and the quantiles of 10, 50 and 90 percent."""
-        ax = _axes(ax)
+        ax = one_axes(ax)
         merits = self["merit"][np.isfinite(self["merit"])]
         ax.hist(merits, bins=bins, color="#a8d1f0")
         ax.axvline(self.nominal, color="#202020", label="without errors")

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import array, package, pair, real, whole
-from rayweave.optics._plot import Plot
-from rayweave.optics._plot import one_axes as _axes
+from rayweave.optics._plot import Plot, one_axes
 from rayweave.optics._pupil import PupilMeans, PupilSample, best_shift
 from rayweave.optics._system import _UNIT_NM
 
@@ -324,7 +323,7 @@ class Seidel(Columns):
 
     def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the sums of every surface and of all of them as bars."""
-        ax, names = _axes(ax), list(self.sum)
+        ax, names = one_axes(ax), list(self.sum)
         labels = [*map(str, self["surface"]), "sum"]
         width = 0.8 / len(names)
         for k, name in enumerate(names):
@@ -362,7 +361,7 @@ class ZernikeFit(Columns):
 
     def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the coefficients as bars, without piston and tilts."""
-        ax = _axes(ax)
+        ax = one_axes(ax)
         wanted = self["n"] > 1
         ax.bar(self["index"][wanted], self["coefficient"][wanted])
         return Plot(_labelled(ax, "index", "coefficient, waves", legend=False))
@@ -431,7 +430,7 @@ class Wavefront(Columns):
 
     def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the differences over the pupil."""
-        ax = _axes(ax)
+        ax = one_axes(ax)
         reach = float(np.abs(self["waves"]).max()) or 1.0
         x, y, waves = self["pupil_x"], self["pupil_y"], self["waves"]
         shades: dict[str, Any] = {"cmap": "RdBu_r", "vmin": -reach, "vmax": reach}
@@ -470,7 +469,7 @@ class _ByField(Columns):
         return np.asarray(self[name][self["field"] == field])
 
     def _show(self, ax: Axes | Plot | None, across: str, names: dict[str, str], up: str) -> Axes:
-        ax = _axes(ax)
+        ax = one_axes(ax)
         for field in np.unique(self["field"]).tolist():
             for name, style in names.items():
                 label = self._name(field) + (f", {name}" if len(names) > 1 else "")
@@ -658,7 +657,7 @@ class Distortion(_OverField):
 
     def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the relative distortion in percent against the field."""
-        ax = _axes(ax)
+        ax = one_axes(ax)
         # on the axis it vanishes in the limit
         ax.plot(np.where(self["share"] == 0.0, 0.0, 100.0 * self["relative"]), self._height())
         ax.axvline(0.0, color="#a0a0a0", linewidth=0.6)
@@ -683,7 +682,7 @@ class Vignetting(_OverField):
 
     def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the fraction in percent over the field."""
-        ax = _axes(ax)
+        ax = one_axes(ax)
         ax.plot(self._height(), 100.0 * self["transmitted"])
         ax.set_xlim(0.0, float(self._height().max()) or None)
         ax.set_ylim(0.0, 102.0)
@@ -710,7 +709,7 @@ class FieldCurvature(_OverField):
 
     def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the foci against the field."""
-        ax = _axes(ax)
+        ax = one_axes(ax)
         ax.plot(self["tangential"], self._height(), label="tangential")
         # short dashes, so that the line does not seem to end in a gap
         ax.plot(self["sagittal"], self._height(), dashes=(3.0, 1.0), label="sagittal")
@@ -737,7 +736,7 @@ class FocalShift(Columns):
 
     def show(self, *, ax: Axes | Plot | None = None) -> Plot:
         """Draws the focus against the wavelength."""
-        ax = _axes(ax)
+        ax = one_axes(ax)
         ax.plot(self["focus"], self["wavelength_nm"])
         return Plot(_labelled(ax, f"focus, {self.units['focus']}", "wavelength, nm", legend=False))
 
@@ -766,7 +765,7 @@ class LateralColour(_OverField):
         from rayweave.optics._drawing import wavelength_rgb
 
         scale, unit = _micrometres(self.units["shift"])
-        ax = _axes(ax)
+        ax = one_axes(ax)
         for line in np.unique(self["wavelength_nm"]).tolist():
             wanted = self["wavelength_nm"] == line
             shade = wavelength_rgb(np.array([line]))[0]
