@@ -4,15 +4,18 @@
 //! one piece if they cross each other, or if a straight line within the region joins them. What remains apart is connected, if at all,
 //! only where no ray of the grid and none of those lines passes: by a bridge or an opening thinner than the distance of the rays.
 
+use super::nearest::Nearest;
 use super::probe::Probe;
 use super::{Finding, FindingKind};
 use crate::AnalysisError;
 use crate::error::Cancelled;
 use crate::measure::MeasuredChord;
 use rayweave_math::{Bounds, Vec3};
+use rayweave_model::drive::Cancel;
 use rayweave_model::{Crossing, Evaluator, Face, Query, RayAnswer, RayBatch, RegionId};
 use rayweave_shape::Ray;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Models with more regions are not examined: in detectors, separate pieces are the usual case.
 const MAX_REGIONS: usize = 32;
@@ -30,6 +33,12 @@ const LEAST_CHORDS: usize = 3;
 /// regions: beyond them nothing is reported.
 const MAX_PIECES: usize = 200;
 const MAX_RAYS: u64 = 1 << 17;
+
+/// The most chords of the grid: a model with more is examined with fewer rays.
+const MAX_CHORDS: usize = 1 << 21;
+
+/// The number of rays along each side of the grid that is reduced no further.
+const LEAST_ACROSS: usize = 8;
 
 /// Halvings of the distance between two chords of a thin wall.
 const HALVINGS: usize = 6;
@@ -104,6 +113,8 @@ struct Chords<'a, E: Evaluator> {
     rays: u64,
     /// The number of rays at which a search gives up.
     limit: u64,
+    /// The number of pairs of chords of neighbouring rays that were compared.
+    compared: u64,
 }
 
 /// Findings about pieces and cavities of the regions with these names.
@@ -116,33 +127,16 @@ pub fn findings<E: Evaluator>(
         return Ok(Vec::new());
     }
     let across = (probe.settings.across as usize).min(MAX_ACROSS);
-    // the outermost cells are outside of the model
-    let margin = 1.5 * probe.frame.size() / across as f64;
-    let frame = Bounds { lo: probe.frame.lo - margin, hi: probe.frame.hi + margin };
-    let mut found = Chords {
-        evaluator,
-        scratch: evaluator.scratch(),
-        frame,
-        across,
-        chords: Vec::new(),
-        first: vec![0],
-        sets: Sets(Vec::new()),
-        rays: 0,
-        limit: 0,
-    };
-    found.trace();
+    let cancel = &probe.settings.cancel;
+    let mut found = Chords::of_grid(evaluator, probe.frame, across, MAX_CHORDS, cancel)?;
     found.join_at_crossings();
     let mut all = Vec::new();
     // the space around the regions first: a region whose pieces need too many rays does not hide a cavity
     for is_space in [true, false] {
-        if probe.settings.cancel.is_cancelled() {
-            return Err(Cancelled.into());
-        }
-        let limit = found.rays + MAX_RAYS;
-        found.limit = limit;
-        found.join_neighbours(is_space);
-        found.join_by_lines(is_space);
-        if found.rays <= limit {
+        found.limit = found.rays + MAX_RAYS;
+        found.join_neighbours(is_space, cancel)?;
+        found.join_by_lines(is_space, cancel)?;
+        if !found.has_given_up() {
             all.extend(found.findings(names, is_space));
         }
     }
@@ -150,7 +144,49 @@ pub fn findings<E: Evaluator>(
     Ok(all)
 }
 
-impl<E: Evaluator> Chords<'_, E> {
+impl<'a, E: Evaluator> Chords<'a, E> {
+    /// The chords of a grid of so many rays along each side of a box and the space around it, or of a coarser grid with at most
+    /// `most` chords.
+    fn of_grid(
+        evaluator: &'a E,
+        inner: Bounds,
+        across: usize,
+        most: usize,
+        cancel: &Cancel,
+    ) -> Result<Chords<'a, E>, Cancelled> {
+        let mut found = Chords::new(evaluator, inner, across);
+        while !found.trace(most, cancel)? {
+            // the number of chords grows with the square
+            let coarser = (found.across * 2 / 3).max(LEAST_ACROSS);
+            found = Chords { rays: found.rays, ..Chords::new(evaluator, inner, coarser) };
+        }
+        Ok(found)
+    }
+
+    /// A grid without chords.
+    fn new(evaluator: &'a E, inner: Bounds, across: usize) -> Chords<'a, E> {
+        // the outermost cells are outside of the model
+        let margin = 1.5 * inner.size() / across as f64;
+        let frame = Bounds { lo: inner.lo - margin, hi: inner.hi + margin };
+        Chords {
+            evaluator,
+            scratch: evaluator.scratch(),
+            frame,
+            across,
+            chords: Vec::new(),
+            first: vec![0],
+            sets: Sets(Vec::new()),
+            rays: 0,
+            limit: 0,
+            compared: 0,
+        }
+    }
+
+    /// True if a search has used all of its rays: its result is then not complete.
+    fn has_given_up(&self) -> bool {
+        self.rays > self.limit
+    }
+
     fn step(&self, axis: usize) -> f64 {
         self.frame.size()[axis] / self.across as f64
     }
@@ -159,12 +195,13 @@ impl<E: Evaluator> Chords<'_, E> {
         self.frame.lo[axis] + self.step(axis) * (cell as f64 + WITHIN)
     }
 
-    /// Traces the rays of the grid.
-    fn trace(&mut self) {
+    /// Traces the rays of the grid; false if there are more chords than `most`, unless there are only a few rays.
+    fn trace(&mut self, most: usize, cancel: &Cancel) -> Result<bool, Cancelled> {
         let n = self.across;
         for axis in 0..3 {
             let [u, v] = [1, 2].map(|k| (axis + k) % 3);
             for row in 0..n {
+                stop_if_cancelled(cancel)?;
                 let rays = (0..n).map(|column| {
                     let mut origin = self.frame.lo;
                     origin[u] = self.place(u, column);
@@ -177,6 +214,9 @@ impl<E: Evaluator> Chords<'_, E> {
                     self.chords.extend(chords);
                     self.first.push(self.chords.len() as u32);
                 }
+                if self.chords.len() > most && n > LEAST_ACROSS {
+                    return Ok(false);
+                }
             }
         }
         self.sets = Sets((0..self.chords.len() as u32).collect());
@@ -186,6 +226,7 @@ impl<E: Evaluator> Chords<'_, E> {
         let outside: Vec<u32> =
             (0..self.chords.len() as u32).filter(|&k| is_outside(&self.chords[k as usize])).collect();
         outside.windows(2).for_each(|pair| self.sets.join(pair[0], pair[1]));
+        Ok(true)
     }
 
     /// The chords of rays between two times.
@@ -255,10 +296,11 @@ impl<E: Evaluator> Chords<'_, E> {
     }
 
     /// Joins chords of neighbouring rays by lines between them.
-    fn join_neighbours(&mut self, is_space: bool) {
+    fn join_neighbours(&mut self, is_space: bool, cancel: &Cancel) -> Result<(), Cancelled> {
         let n = self.across;
         for axis in 0..3 {
             for row in 0..n {
+                stop_if_cancelled(cancel)?;
                 for column in 0..n {
                     let ray = self.ray_number(axis, column, row);
                     let right = (column + 1 < n).then(|| self.ray_number(axis, column + 1, row));
@@ -269,19 +311,54 @@ impl<E: Evaluator> Chords<'_, E> {
                 }
             }
         }
+        Ok(())
     }
 
     fn join_rays(&mut self, ray: usize, other: usize, is_space: bool) {
+        let others = self.first[other]..self.first[other + 1];
+        let by_faces = self.by_faces(others.clone());
+        let mut near: Vec<u32> = Vec::new();
         for a in self.first[ray]..self.first[ray + 1] {
-            for b in self.first[other]..self.first[other + 1] {
-                let [one, two] = [a, b].map(|k| self.chords[k as usize]);
-                let is_own = one.region == two.region && (one.region == RegionId(0)) == is_space;
-                let may_join = is_own && (overlaps(&one, &two) || one.has_faces_of(&two));
-                if may_join && self.sets.of(a) != self.sets.of(b) && self.are_joined(&one, &two, HALVINGS) {
+            let one = self.chords[a as usize];
+            if (one.region == RegionId(0)) != is_space {
+                continue;
+            }
+            if self.has_given_up() {
+                return;
+            }
+            self.beside(&one, others.clone(), &by_faces, &mut near);
+            self.compared += near.len() as u64;
+            for &b in &near {
+                let two = self.chords[b as usize];
+                if self.sets.of(a) != self.sets.of(b) && self.are_joined(&one, &two, HALVINGS) {
                     self.sets.join(a, b);
                 }
             }
         }
+    }
+
+    /// The chords between two faces, in the order of these.
+    fn by_faces(&self, chords: Range<u32>) -> Vec<u32> {
+        let mut sorted: Vec<u32> =
+            chords.filter(|&k| self.chords[k as usize].faces.iter().all(Option::is_some)).collect();
+        sorted.sort_by_key(|&k| (self.chords[k as usize].faces, k));
+        sorted
+    }
+
+    /// Those of the consecutive chords of a parallel ray, which are also given in the order of their faces, that overlap a chord within
+    /// its region or have its faces.
+    fn beside(&self, own: &Chord, chords: Range<u32>, by_faces: &[u32], found: &mut Vec<u32>) {
+        found.clear();
+        let of = |k: &u32| &self.chords[*k as usize];
+        let all = &self.chords[chords.start as usize..chords.end as usize];
+        let first = chords.start + all.partition_point(|other| other.to <= own.from) as u32;
+        let overlapping = (first..chords.end).take_while(|k| of(k).from < own.to);
+        found.extend(overlapping.filter(|k| of(k).region == own.region && overlaps(own, of(k))));
+        let first = by_faces.partition_point(|k| of(k).faces < own.faces);
+        let same = by_faces[first..].iter().take_while(|k| of(k).faces == own.faces);
+        found.extend(same.filter(|k| of(k).has_faces_of(own)));
+        found.sort_unstable();
+        found.dedup();
     }
 
     /// True if a line within the region joins two chords of parallel rays, or a sequence of lines through chords between them.
@@ -293,7 +370,7 @@ impl<E: Evaluator> Chords<'_, E> {
                 self.is_within(one.ray.at(t), two.ray.at(t), one.region)
             });
         }
-        if halvings == 0 || !one.has_faces_of(two) || self.rays > self.limit {
+        if halvings == 0 || !one.has_faces_of(two) || self.has_given_up() {
             return false;
         }
         let origin = 0.5 * (one.ray.origin + two.ray.origin);
@@ -339,46 +416,50 @@ impl<E: Evaluator> Chords<'_, E> {
         }
         pieces.retain(|_, own| own.len() <= MAX_PIECES);
         for own in pieces.values_mut() {
-            own.sort_by(|a, b| self.volume(b).total_cmp(&self.volume(a)).then(a.cmp(b)));
+            let mut sized: Vec<(f64, Vec<u32>)> =
+                own.drain(..).map(|chords| (self.volume(&chords), chords)).collect();
+            sized.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
+            own.extend(sized.into_iter().map(|(_, chords)| chords));
         }
         pieces
     }
 
     /// Joins sets by straight lines between their chords, and by chords along other axes through the middles of their chords.
-    fn join_by_lines(&mut self, is_space: bool) {
-        for sets in self.pieces(is_space).into_values() {
+    fn join_by_lines(&mut self, is_space: bool, cancel: &Cancel) -> Result<(), Cancelled> {
+        for sets in self.pieces(is_space).into_values().filter(|sets| sets.len() > 1) {
+            let middles = sets.iter().flatten().map(|&k| (self.chords[k as usize].middle(), k));
+            let nearest = Nearest::new(middles.collect(), |k| self.sets.of(k));
             for small in sets.iter().skip(1) {
-                self.join_piece(small, &sets);
+                stop_if_cancelled(cancel)?;
+                for own in self.longest_of(small) {
+                    if self.has_given_up() {
+                        return Ok(());
+                    }
+                    self.join_across(own);
+                    self.join_nearest(own, &nearest);
+                }
             }
         }
+        Ok(())
     }
 
-    fn join_piece(&mut self, small: &[u32], sets: &[Vec<u32>]) {
-        let longest = |chords: &[u32], chords_of: &[Chord]| {
-            let mut sorted = chords.to_vec();
-            sorted.sort_by(|&a, &b| {
-                chords_of[b as usize].length().total_cmp(&chords_of[a as usize].length()).then(a.cmp(&b))
-            });
-            sorted.truncate(TRIED);
-            sorted
-        };
-        for own in longest(small, &self.chords) {
-            self.join_across(own);
-            let chord = self.chords[own as usize];
-            let middle = chord.middle();
-            let mut others: Vec<(f64, u32)> = Vec::new();
-            for &other in sets.iter().flatten() {
-                if self.sets.of(other) != self.sets.of(own) {
-                    others.push(((self.chords[other as usize].middle() - middle).length(), other));
-                }
-            }
-            others.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            for (_, other) in others.into_iter().take(TRIED) {
-                if self.sets.of(other) != self.sets.of(own)
-                    && self.is_within(middle, self.chords[other as usize].middle(), chord.region)
-                {
-                    self.sets.join(own, other);
-                }
+    /// The longest chords of a piece.
+    fn longest_of(&self, chords: &[u32]) -> Vec<u32> {
+        let mut sorted: Vec<(f64, u32)> =
+            chords.iter().map(|&k| (self.chords[k as usize].length(), k)).collect();
+        sorted.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        sorted.into_iter().take(TRIED).map(|(_, k)| k).collect()
+    }
+
+    /// Joins a chord with the nearest ones of other sets, by lines between their middles.
+    fn join_nearest(&mut self, own: u32, nearest: &Nearest) {
+        let chord = self.chords[own as usize];
+        let set = self.sets.of(own);
+        for other in nearest.outside(chord.middle(), set, TRIED, |k| self.sets.of(k)) {
+            if self.sets.of(other) != self.sets.of(own)
+                && self.is_within(chord.middle(), self.chords[other as usize].middle(), chord.region)
+            {
+                self.sets.join(own, other);
             }
         }
     }
@@ -478,7 +559,85 @@ impl<E: Evaluator> Chords<'_, E> {
     }
 }
 
+fn stop_if_cancelled(cancel: &Cancel) -> Result<(), Cancelled> {
+    if cancel.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+}
+
 /// True if two chords of parallel rays overlap along the rays.
 fn overlaps(one: &Chord, two: &Chord) -> bool {
     one.from.max(two.from) < one.to.min(two.to)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::counted::Counted;
+    use rayweave_model::{Program, Solid};
+    use rayweave_shape::primitive::{BoxFromCorners, Primitive};
+    use std::sync::Arc;
+
+    /// Fins of thickness 1 at distances of 1.
+    fn fins(count: usize) -> Counted {
+        let fin = |k: usize| {
+            let lo = Vec3::new(2.0 * k as f64, 0.0, 0.0);
+            let own = BoxFromCorners::new(lo, lo + Vec3::new(1.0, 20.0, 20.0)).unwrap();
+            Solid::from(Primitive::from(own))
+        };
+        Counted::new(Arc::new(Program::compile(&Solid::union((0..count).map(fin))).unwrap()))
+    }
+
+    fn grid(evaluator: &Counted, across: usize, most: usize) -> Chords<'_, Counted> {
+        let frame = evaluator.program().bounds();
+        let mut found = Chords::of_grid(evaluator, frame, across, most, &Cancel::new()).unwrap();
+        found.join_at_crossings();
+        found.limit = u64::MAX;
+        found
+    }
+
+    /// Each of 401 chords of a ray along the row overlaps one chord of the next ray.
+    #[test]
+    fn chords_are_compared_with_those_beside_them() {
+        let evaluator = fins(200);
+        let mut found = grid(&evaluator, 24, usize::MAX);
+        for is_space in [false, true] {
+            found.join_neighbours(is_space, &Cancel::new()).unwrap();
+        }
+        let chords = found.chords.len() as u64;
+        assert!(chords > 200 * 24 * 24 && found.compared <= 4 * chords, "{chords} {}", found.compared);
+    }
+
+    #[test]
+    fn chords_beside_a_chord_are_those_of_a_full_comparison() {
+        let evaluator = fins(5);
+        let found = grid(&evaluator, 16, usize::MAX);
+        let mut near = Vec::new();
+        for ray in 0..3 * 16 * 16 - 16 {
+            let others = found.first[ray + 16]..found.first[ray + 17];
+            let by_faces = found.by_faces(others.clone());
+            for own in found.first[ray]..found.first[ray + 1] {
+                let own = found.chords[own as usize];
+                found.beside(&own, others.clone(), &by_faces, &mut near);
+                let is_beside = |k: &u32| {
+                    let other = &found.chords[*k as usize];
+                    own.region == other.region && (overlaps(&own, other) || own.has_faces_of(other))
+                };
+                assert_eq!(near, others.clone().filter(is_beside).collect::<Vec<u32>>(), "{ray}");
+            }
+        }
+    }
+
+    /// A coarser grid, whose rays still find all fins.
+    #[test]
+    fn the_number_of_chords_is_limited() {
+        let evaluator = fins(100);
+        let all = grid(&evaluator, 48, usize::MAX);
+        assert!(all.across == 48 && all.chords.len() > 100 * 48 * 48, "{}", all.chords.len());
+        let mut some = grid(&evaluator, 48, 50_000);
+        assert!(some.across < 48 && some.chords.len() <= 50_000, "{} {}", some.across, some.chords.len());
+        some.join_neighbours(false, &Cancel::new()).unwrap();
+        some.join_by_lines(false, &Cancel::new()).unwrap();
+        assert_eq!(some.pieces(false).into_values().map(|sets| sets.len()).collect::<Vec<_>>(), [100]);
+        // a grid of a few rays is not reduced further
+        assert_eq!(grid(&evaluator, 48, 1).across, LEAST_ACROSS);
+    }
 }

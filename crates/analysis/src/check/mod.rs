@@ -30,6 +30,7 @@ mod facing;
 mod finding;
 mod hierarchy;
 mod narrow;
+mod nearest;
 mod operands;
 mod pairs;
 mod parts;
