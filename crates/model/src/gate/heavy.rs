@@ -214,7 +214,7 @@ fn heavy_operands(network: &Network) -> Vec<(u32, bool)> {
         };
         let gate = (user >> 1) as usize - leaves;
         size[gate + leaves] += size[node];
-        if size[node] > best[gate] && !network.feeds.get(node as u32) {
+        if size[node] > best[gate] && !network.feeds.any(node as u32) {
             (best[gate], heavy[gate]) = (size[node], (node as u32, user & 1 == 1));
         }
     }

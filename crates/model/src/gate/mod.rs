@@ -6,10 +6,12 @@
 //! - ordered counters, if a node has several users: gates are updated in topological order, each once.
 //! - heavy paths, for deep trees: a change costs O(log^2 n) at any depth (see `heavy`).
 
+mod feeds;
 mod heavy;
 mod output_set;
 
 use crate::{Edge, Expression, Rule};
+use feeds::Feeds;
 use heavy::HeavyPaths;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -27,9 +29,7 @@ pub struct Network {
     rules: Vec<Rule>,
     leaf_count: u32,
     users: Users,
-    /// The outputs that a node feeds, as (node, output, complemented), sorted by node.
-    fed: Vec<(u32, u32, bool)>,
-    feeds: BitSet,
+    feeds: Feeds,
     layout: Layout,
     /// The state in which every leaf is outside, without the leaf values.
     initial: NetworkState,
@@ -161,18 +161,13 @@ impl Network {
     #[inline]
     pub fn read_ahead(&self, state: &NetworkState, leaf: u32) -> u32 {
         let user = self.users_of(leaf).first().copied().unwrap_or(0);
-        user ^ u32::from(state.leaves[leaf as usize]) ^ u32::from(self.feeds.get(leaf))
+        user ^ u32::from(state.leaves[leaf as usize]) ^ u32::from(self.feeds.any(leaf))
     }
 
     /// Size in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let heavy = if let Layout::Heavy(paths) = &self.layout { paths.bytes() } else { 0 };
-        size_of_val(&self.rules[..])
-            + size_of_val(&self.fed[..])
-            + size_of_val(&self.feeds.0[..])
-            + self.users.bytes()
-            + self.initial.bytes()
-            + heavy
+        size_of_val(&self.rules[..]) + self.feeds.bytes() + self.users.bytes() + self.initial.bytes() + heavy
     }
 
     #[inline]
@@ -182,9 +177,8 @@ impl Network {
 
     /// Writes a node's new value to the outputs that it feeds.
     fn feed(&self, output_set: &mut OutputSet, node: u32, inside: bool) {
-        if self.feeds.get(node) {
-            let first = self.fed.partition_point(|&(fed, ..)| fed < node);
-            for &(_, output, complemented) in self.fed[first..].iter().take_while(|&&(fed, ..)| fed == node) {
+        if self.feeds.any(node) {
+            for &(output, complemented) in self.feeds.of(node) {
                 output_set.set(output, inside ^ complemented);
             }
         }
@@ -358,8 +352,7 @@ impl<'e> Builder<'e> {
                 }
             }
         }
-        fed.sort_unstable();
-        let feeds = BitSet::new(values.len(), fed.iter().map(|&(node, ..)| node));
+        let feeds = Feeds::new(values.len(), fed);
         let is_tree = matches!(users, Users::One(_));
         let mut initial = NetworkState { counts, output_set, ..NetworkState::default() };
         let depth = self.depth();
@@ -367,7 +360,6 @@ impl<'e> Builder<'e> {
             rules,
             leaf_count: self.leaf_count,
             users,
-            fed,
             feeds,
             layout: Layout::Counters,
             initial: NetworkState::default(),
