@@ -6,6 +6,7 @@ use super::share::{Outcome, Thickest};
 use super::subject::Subject;
 use super::{Finding, FindingKind};
 use crate::AnalysisError;
+use crate::distance::contained;
 use rayweave_math::Bounds;
 use rayweave_model::{Evaluator, Program, Solid};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -234,8 +235,15 @@ fn beyond_mothers<E: Evaluator>(
         return Ok(None);
     }
     let around = Solid::union(mothers.iter().map(|&mother| subject.regions[mother].solid.clone()));
+    // what extends beyond the mothers by no more than the distance is not reported
+    let known = contained(&Program::compile(&around)?, boxes, 0.5 * probe.scope.distance);
+    let boxes: Vec<Bounds> =
+        boxes.iter().zip(known.inside).filter(|(_, is_inside)| !is_inside).map(|(own, _)| *own).collect();
+    if boxes.is_empty() {
+        return Ok(None);
+    }
     let rest = &subject.regions[daughter].solid - &around;
-    let Some(met) = farthest(&rest, boxes, probe)? else { return Ok(None) };
+    let Some(met) = farthest(&rest, &boxes, probe)? else { return Ok(None) };
     let names: Vec<&str> = mothers.iter().map(|&mother| subject.name(mother)).collect();
     let name = subject.name(daughter);
     let text = format!("{name} extends beyond its mother, {}", names.join(" or "));

@@ -35,6 +35,7 @@
 //! signed distance, and 256 covers the operations of every kernel.
 
 mod candidates;
+mod contained;
 mod feet;
 mod field;
 mod quadric_foot;
@@ -47,6 +48,7 @@ mod tree;
 use crate::{AnalysisError, Cancelled};
 use candidates::Witness;
 pub(crate) use candidates::combination;
+pub(crate) use contained::contained;
 use field::Field;
 use rayweave_error::Message;
 use rayweave_math::Vec3;
