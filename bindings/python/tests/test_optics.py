@@ -220,6 +220,24 @@ def test_drawings(tmp_path: Path) -> None:
         trace.show("yz")  # type: ignore[arg-type]
 
 
+def test_drawings_of_stray_light_are_faint_and_near_the_elements() -> None:
+    pytest.importorskip("matplotlib").use("Agg")
+    system = optics.System([optics.biconvex_lens(50, 50, 5, aperture=25), optics.detector(25.0).translate([0, 0, 49])])
+    light = optics.source_of_rays([[0, y, -1000] for y in (-6, -2, 2, 6)], [[0, 0, 1]] * 4, wavelength_nm=550)
+    trace = system.trace(light, branches="both", threshold=1e-7)
+    axes = trace.show().axes[0]
+    # 0.6 times the size of the elements, 49 + 2.5 mm, and margins
+    assert -45 < axes.get_xlim()[0] < -2.5 and axes.get_xlim()[1] < 90
+    (lines,) = [own for own in axes.collections if own.get_zorder() == 3]
+    widths, opacities = np.asarray(lines.get_linewidths()), np.asarray(lines.get_alpha())
+    # light as at the start, ghosts of about 4 % of it, and of 4 % squared; none below 1e-4 of it
+    power = trace["intensity"] / trace["intensity"][trace["generation"] == 0].max()
+    drawn = power[power >= 1e-4]
+    assert len(drawn) == len(widths) < len(power)
+    assert (opacities[drawn > 0.3] == 1.0).all() and (opacities[drawn < 0.3] < 1.0).all()
+    assert (np.diff(widths[np.argsort(drawn)]) >= 0).all() and len(set(widths)) >= 3
+
+
 def test_what_is_wrong_is_named() -> None:
     with pytest.raises(RayweaveError, match="aperture"):
         optics.lens(10, -10, 5, aperture=30)

@@ -187,7 +187,8 @@ def render(
     size
         Width and height in pixels; 1280 x 720.
     view
-        The direction of an orthographic view of the whole model.
+        The name of the direction of an orthographic view of the whole model: "front", "back", "left", "right", "top", "bottom" or
+        "iso". A `Camera` looks in any other direction.
     field_of_view
         The vertical field of view in degrees, for a perspective view of the whole model.
     camera
@@ -326,7 +327,7 @@ def sheet(
 #: The kinds of arguments, for messages.
 _WANTED = {
     "size": "two whole numbers, the width and the height in pixels",
-    "view": "the name of a view, such as 'front'",
+    "view": "'front', 'back', 'left', 'right', 'top', 'bottom' or 'iso'; a Camera looks in any other direction",
     "field_of_view": "an angle in degrees",
     "shading": "the name of a style",
     "edges": "True or False",

@@ -23,6 +23,14 @@ _LINES = 800
 _STRAIGHT = 1e-6
 _CURVED = _core.event_names().index("curved")
 
+# as in the layouts of the command
+#: Light with less than this fraction of its initial power is not drawn.
+_FAINTEST = 1e-4
+#: Least fraction of the initial power, width relative to that of the rays, and opacity.
+_WEIGHTS = ((0.3, 1.0, 1.0), (0.03, 0.75, 0.7), (3e-3, 0.55, 0.45), (0.0, 0.4, 0.3))
+#: Light is shown up to this distance from the elements, relative to their size.
+_BEYOND = 0.6
+
 
 def draw(
     trace: Trace,
@@ -39,6 +47,7 @@ def draw(
 
     if view not in _AXES:
         raise RayweaveError(f"view is {view!r}: it can be {', '.join(_AXES)}.")
+    is_own = ax is None
     if ax is None:
         ax = plt.subplots(figsize=(10, 5))[1]
     across, up = _AXES[view]
@@ -50,21 +59,42 @@ def draw(
     _sections(trace.system, ax, across, up, limits, hidden)
     lines = [line[:, [across, up]] for line in _lines(trace, starts, ends, tilts, chosen)]
     shades = _colours(trace, color, chosen)
-    ax.add_collection(LineCollection(lines, colors=shades, linewidths=width, zorder=3))
+    widths, opacities = _weights(trace, chosen)
+    ax.add_collection(LineCollection(lines, colors=shades, linewidths=width * widths, alpha=opacities, zorder=3))
     ax.set_aspect("equal")
     ax.set_xlabel(f"{'xyz'[across]} / {trace.system.unit}")
     ax.set_ylabel(f"{'xyz'[up]} / {trace.system.unit}")
     ax.autoscale_view()
+    if is_own and escape is None:
+        # light from afar or that escapes ends at the edge
+        ax.set_xlim(*limits[0])
+        ax.set_ylim(*limits[1])
     return ax
 
 
 def _pieces(trace: Trace, rays: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     ids = np.unique(trace["id"])
     step = max(1, -(-len(ids) // max(rays, 1)))
-    chosen = np.isin(trace["id"], ids[::step])
+    chosen = np.isin(trace["id"], ids[::step]) & (_fractions(trace) >= _FAINTEST)
     starts = np.stack([trace[f"{k}0"] for k in "xyz"], axis=1)[chosen]
     ends = np.stack([trace[f"{k}1"] for k in "xyz"], axis=1)[chosen]
     return starts, ends, chosen
+
+
+def _fractions(trace: Trace) -> NDArray[np.float64]:
+    """The power of each segment relative to the largest power that light starts with, or has at all in a part of a trace."""
+    power = trace["intensity"]
+    starts = power[trace["generation"] == 0]
+    largest = float(np.max(starts if len(starts) else power, initial=0.0))
+    return np.asarray(power / largest if largest > 0.0 else np.ones(len(power)))
+
+
+def _weights(trace: Trace, chosen: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The relative widths and the opacities of segments by their power."""
+    fractions = _fractions(trace)[chosen]
+    least, widths, opacities = (np.array(column) for column in zip(*_WEIGHTS, strict=True))
+    weight = np.argmax(fractions[:, None] >= least, axis=1)
+    return widths[weight], opacities[weight]
 
 
 def _lines(
@@ -112,12 +142,17 @@ def _bodies(system: System) -> list[tuple[Solid, bool]]:
 def _limits(
     system: System, starts: NDArray[Any], ends: NDArray[Any], across: int, up: int
 ) -> list[tuple[float, float]]:
-    points = [starts, ends[~np.isnan(ends).any(axis=1)]]
-    for body, _ in _bodies(system):
-        bounds = np.asarray(body.bounds)
-        if np.isfinite(bounds).all():
-            points.append(bounds)
-    cloud = np.concatenate(points)
+    light = np.concatenate([starts, ends[~np.isnan(ends).any(axis=1)]])
+    boxes = [np.asarray(body.bounds) for body, _ in _bodies(system)]
+    boxes = [bounds for bounds in boxes if np.isfinite(bounds).all()]
+    if boxes:
+        elements = np.concatenate(boxes)[:, [across, up]]
+        reach = _BEYOND * float((elements.max(axis=0) - elements.min(axis=0)).max())
+        if reach > 0.0:
+            light[:, [across, up]] = np.clip(
+                light[:, [across, up]], elements.min(axis=0) - reach, elements.max(axis=0) + reach
+            )
+    cloud = np.concatenate([light, *boxes])
     limits = []
     for k in (across, up):
         lo, hi = float(cloud[:, k].min()), float(cloud[:, k].max())

@@ -35,6 +35,9 @@ _UNIT_NM = {"nm": 1.0, "um": 1e3, "mm": 1e6, "cm": 1e7, "m": 1e9, "in": 2.54e7}
 class Balance:
     """The balance of power; `error` is the part unaccounted for, 0 except for rounding.
 
+    Light that leaves the system is `escaped`, also after a sheet that transmits it, such as the image of a lens prescription:
+    `trace.spot("image").total` is the power that passed through it.
+
     >>> import rayweave.optics as ro
     >>> system = ro.System([ro.biconvex_lens(50, 50, 5, aperture=25), ro.detector(25.0).translate([0, 0, 49])])
     >>> trace = system.trace(ro.beam(10.0, 100).translate([0, 0, -10]))
@@ -507,7 +510,9 @@ class Trace(Mapping[str, NDArray[Any]]):
         matplotlib.
 
         Rays are coloured by wavelength, by source, or all in one colour. If there are more than `rays` rays, every n-th is
-        drawn. Light that escapes is drawn with the length `escape`, by default a fifth of the picture.
+        drawn. Lines are thinner and fainter the less power they have: light with less than a ten-thousandth of its initial power is
+        left out. The picture shows the elements, and light up to 0.6 times their size beside them. Light that escapes is drawn with
+        the length `escape`, by default a fifth of the picture.
         """
         return Plot(self._show(view, color=color, ax=ax, ray_width=ray_width, rays=rays, escape=escape))
 
