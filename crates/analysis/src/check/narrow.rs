@@ -95,7 +95,14 @@ impl Narrow {
 
     /// The narrowest place of each side, the narrowest first: a chord of the region, perpendicular to the faces as far as they allow it.
     /// The first is at most as wide as each chord that was added, except for those that exist only because of rounding.
-    pub fn measured_by_side<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Vec<Across> {
+    /// Chords for which `is_edge` is true are left out: faces that meet at an edge have chords of any width, and a search would go all
+    /// the way to the edge.
+    pub fn measured_by_side<E: Evaluator>(
+        &self,
+        evaluator: &E,
+        is_edge: &mut impl FnMut(&Across, &mut E::Scratch) -> bool,
+        scratch: &mut E::Scratch,
+    ) -> Vec<Across> {
         let mut all: Vec<Across> = Vec::new();
         for candidates in self.0.values() {
             let mut best: Option<(f64, RegionId, Across)> = None;
@@ -103,6 +110,9 @@ impl Narrow {
             for Candidate { region, across, .. } in candidates {
                 let is_in = |other: RegionId| other == *region;
                 let Some(across) = confirmed(evaluator, across, &is_in, scratch) else { continue };
+                if is_edge(&across, scratch) {
+                    continue;
+                }
                 let across = narrowest(evaluator, across, &is_in, 1, scratch);
                 let width = across.width(Faces::Wall);
                 if best.is_none_or(|(least, ..)| width < least) {

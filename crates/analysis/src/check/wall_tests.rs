@@ -202,3 +202,25 @@ fn pictures_of_slanted_walls_are_cut_along_the_chord() {
         assert_eq!(is_along_axes, x == 0, "{turn}");
     }
 }
+
+/// Balls that intersect each other have edges, also between faces at a small angle, but no walls.
+#[test]
+fn edges_of_intersecting_balls_are_no_walls() {
+    let mut state = 3u64;
+    let mut random = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (1e4 * ((state >> 33) as f64 / 2f64.powi(31) - 0.5)).round() / 1e3
+    };
+    let (mut solids, mut regions) = (String::new(), String::new());
+    for k in 0..30 {
+        let (radius, centre) = (10.0 + 1e-3 * f64::from(k), [random(), random(), random()]);
+        solids += &format!(
+            "[solid.s{k}]\nsphere = {{ radius = {radius} }}\ntransform = {{ translate = {centre:?} }}\n"
+        );
+        regions += &format!("[[region]]\nsolid = \"s{k}\"\n");
+    }
+    let report = checked(&(solids + &regions), &quick());
+    let thin: Vec<_> = report.of(FindingKind::Thin).map(|finding| finding.size).collect();
+    assert!(thin.is_empty(), "{thin:?}");
+    assert!(report.of(FindingKind::Overlap).count() > 50);
+}

@@ -2,6 +2,7 @@
 
 use super::edges::{Grid, Hits};
 use super::facing::Search;
+use super::narrow::Narrow;
 use super::probe::Budget;
 use crate::counted::Counted;
 use crate::survey::{Piece, Survey, survey};
@@ -61,4 +62,30 @@ fn budgets_are_shared() {
     assert!(first.takes(5) && !first.takes(21));
     whole.add(first);
     assert!(!whole.part(3).takes(33) && whole.takes(63));
+}
+
+/// Chords beside an edge take one ray each, not the hundreds that lead to the edge.
+#[test]
+fn chords_at_edges_are_not_followed() {
+    let ball = Solid::from(Primitive::from(Sphere::new(10.0).unwrap()));
+    let crescent = ball.translate(Vec3::X) - ball.clone();
+    let evaluator = Counted::new(Arc::new(Program::compile(&crescent).unwrap()));
+    let bounds = evaluator.program().bounds();
+    let settings = Survey { bounds, across: 32, seed: 0, stream: 0, threads: None, cancel: Cancel::new() };
+    let mut narrow = Narrow::default();
+    let visit = |found: &mut Narrow, piece: &Piece<'_>| {
+        if piece.wall().is_some() && piece.thickness() < 0.05 {
+            found.add(piece);
+        }
+    };
+    survey(&evaluator, &settings, visit, |some: Narrow| narrow.append(some)).unwrap();
+    let (sides, mut scratch) = (narrow.widths().count() as u64, evaluator.scratch());
+    let mut rays = |are_edges: bool| {
+        evaluator.take();
+        let found = narrow.measured_by_side(&evaluator, &mut |_, _| are_edges, &mut scratch);
+        (evaluator.take()[0], found.len())
+    };
+    let ((few, none), (many, all)) = (rays(true), rays(false));
+    assert!(sides > 3 && few <= 4 * sides && none == 0, "{sides} {few} {none}");
+    assert!(many > 100 * few && all > 0, "{many} {few} {all}");
 }
