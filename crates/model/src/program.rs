@@ -198,7 +198,8 @@ impl Program {
         lines.join("\n")
     }
 
-    /// A box that holds all regions.
+    /// A box that holds all regions. It is found from the shapes and may be larger than the model: `sphere - half_space` has the box of
+    /// the sphere. `features::extent` of the facade computes how far a model extends.
     pub fn bounds(&self) -> Bounds {
         self.prototypes[0].bounds
     }
