@@ -23,6 +23,18 @@ pub(crate) struct FlatFacet {
     pub number: u32,
     /// The placement of the leaf, relative to that of the group.
     pub placement: u32,
+    /// True for the part of a torus that a line crosses after its first chord, and false for all other surfaces.
+    pub second: bool,
+}
+
+/// The atoms of a torus.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Tori {
+    /// Two: the first chord of a line and the second one.
+    #[default]
+    Chords,
+    /// One, for kernels that do not compute its roots.
+    Opaque,
 }
 
 /// A maximal part of a leaf that a line enters and leaves once.
@@ -74,12 +86,18 @@ pub(crate) struct Flat {
     pub gates: Vec<FlatGate>,
     pub outputs: Vec<Operand>,
     pub frames: Vec<FlatFrame>,
+    tori: Tori,
 }
 
 impl Flat {
     /// The network of some edges of a group.
-    pub fn new(program: &Program, group: PrototypeId, edges: &[Edge]) -> Result<Flat, Unsupported> {
-        let mut flat = Flat::default();
+    pub fn new(
+        program: &Program,
+        group: PrototypeId,
+        edges: &[Edge],
+        tori: Tori,
+    ) -> Result<Flat, Unsupported> {
+        let mut flat = Flat { tori, ..Flat::default() };
         flat.outputs = flat.add(program, group, edges, &mut Vec::new(), 0)?;
         // atoms and gates in the order of the leaves, which decides between faces at the same time: `add` visits leaves in order
         Ok(flat)
@@ -166,24 +184,46 @@ impl Flat {
                     leaf: leaf.id(),
                     number: number as u32,
                     placement,
+                    second: false,
                 };
                 let facets: Vec<FlatFacet> = leaf.facets().iter().enumerate().map(facet).collect();
-                // the CPU decides about the leaf as a whole if it decides about one of its facets
-                let is_known = facets.iter().all(|f| has_kernel(program, f.facet));
-                let (convex, single): (Vec<FlatFacet>, Vec<FlatFacet>) =
-                    facets.into_iter().partition(|f| !is_known || is_convex(program, f.facet));
-                let first = self.atoms.len();
-                let parts =
-                    [convex].into_iter().filter(|c| !c.is_empty()).chain(single.into_iter().map(|f| vec![f]));
-                self.atoms.extend(parts.map(|facets| Atom { facets, frame, instance: 0 }));
-                let atoms: Vec<Operand> =
-                    (first..self.atoms.len()).map(|atom| Operand::Atom(atom, false)).collect();
-                match atoms[..] {
-                    [only] => Ok(only),
-                    _ => Ok(self.gate(Rule::AtLeast(atoms.len() as u32), atoms)),
-                }
+                Ok(self.shape(program, facets, frame))
             }
         }
+    }
+
+    /// The atoms of a leaf and their conjunction.
+    fn shape(&mut self, program: &Program, facets: Vec<FlatFacet>, frame: Option<usize>) -> Operand {
+        // the CPU decides about the leaf as a whole if it decides about one of its facets
+        let is_known = facets.iter().all(|f| has_kernel(program, f.facet, self.tori));
+        let (convex, single): (Vec<FlatFacet>, Vec<FlatFacet>) =
+            facets.into_iter().partition(|f| !is_known || is_convex(program, f.facet));
+        let mut operands = Vec::new();
+        if !convex.is_empty() {
+            operands.push(self.atom(convex, frame));
+        }
+        for facet in single {
+            let first = self.atom(vec![facet], frame);
+            if !is_torus(program, facet.facet) {
+                operands.push(first);
+                continue;
+            }
+            let second = self.atom(vec![FlatFacet { second: true, ..facet }], frame);
+            if facet.facet.inside() {
+                operands.push(self.gate(Rule::AtLeast(1), vec![first, second]));
+            } else {
+                operands.extend([first, second]);
+            }
+        }
+        match operands[..] {
+            [only] => only,
+            _ => self.gate(Rule::AtLeast(operands.len() as u32), operands),
+        }
+    }
+
+    fn atom(&mut self, facets: Vec<FlatFacet>, frame: Option<usize>) -> Operand {
+        self.atoms.push(Atom { facets, frame, instance: 0 });
+        Operand::Atom(self.atoms.len() - 1, false)
     }
 
     /// The number of the frame of the current placement: solids with equal maps share it.
@@ -231,7 +271,12 @@ fn is_convex(program: &Program, facet: LeafFacet) -> bool {
 }
 
 /// True if the device computes the roots of a facet.
-pub(crate) fn has_kernel(program: &Program, facet: LeafFacet) -> bool {
+pub(crate) fn has_kernel(program: &Program, facet: LeafFacet, tori: Tori) -> bool {
     let surface = &program.surface(facet.surface()).surface;
-    !matches!(surface, Surface::Torus(_) | Surface::AffineTorus(_) | Surface::Object(_))
+    !matches!(surface, Surface::Object(_)) && (tori == Tori::Chords || !is_torus(program, facet))
+}
+
+/// True if the surface of a facet is a torus or its affine image.
+pub(crate) fn is_torus(program: &Program, facet: LeafFacet) -> bool {
+    matches!(program.surface(facet.surface()).surface, Surface::Torus(_) | Surface::AffineTorus(_))
 }

@@ -1,17 +1,27 @@
 //! The tables of a program in the memory of the device.
 
 use crate::error::Unsupported;
-use crate::flat::{Atom, Flat, FlatFacet, FlatFrame, FlatGate, MOST_NODES, Operand, has_kernel};
+use crate::flat::{
+    Atom, Flat, FlatFacet, FlatFrame, FlatGate, MOST_NODES, Operand, Tori, has_kernel, is_torus,
+};
 use crate::frame::Frame;
 use crate::terms::{Item, Top};
 use rayweave_bvh::{ExactBvh, FlatChild, WIDTH};
-use rayweave_math::{Affine, Bounds, UNIT_ROUNDOFF, Vec3, any_perpendicular};
+use rayweave_math::{Affine, Bounds, Mat3, UNIT_ROUNDOFF, Vec3, any_perpendicular};
 use rayweave_model::{Face, LeafId, PlacementId, Program, PrototypeId, Rule};
 use rayweave_shape::surface::Surface;
 use std::collections::HashMap;
 
 /// "None" in tables.
 pub(crate) const NONE: u32 = u32::MAX;
+
+/// A bit of the keys of second chords: they are not crossed at the time of the first.
+const SECOND: u32 = 1 << 29;
+
+/// The greatest product of the norms of a map and its inverse, 3 for a similarity, for which the device holds a torus under the map.
+/// The CPU's roots have an error of some u times the lengths in the frame of the torus: in the world, times this product at most,
+/// and `eo` holds 256 u times them.
+const MOST_STRETCH: f64 = 12.0;
 
 /// A row of numbers.
 pub(crate) type Row = [f32; 4];
@@ -73,10 +83,13 @@ pub(crate) enum Kind {
     Quadric = 4,
     /// The ball around a leaf that has facets without a kernel.
     Ball = 5,
+    /// The first and the second chord of a line in a torus.
+    FirstChord = 6,
+    SecondChord = 7,
 }
 
 impl Kind {
-    pub const COUNT: usize = 6;
+    pub const COUNT: usize = 8;
 }
 
 /// A row of the table of groups before it is placed.
@@ -159,7 +172,7 @@ impl Builder {
                     Some(&group) => group,
                     None => {
                         let outputs = program.prototype(*prototype).expression.outputs();
-                        let flat = Flat::new(program, *prototype, &outputs[..1])?;
+                        let flat = Flat::new(program, *prototype, &outputs[..1], Tori::Chords)?;
                         let group = self.group(program, &flat, &inner, false);
                         prototypes.insert(*prototype, group);
                         group
@@ -171,7 +184,7 @@ impl Builder {
                 (group, map, *placement)
             }
             Item { edge, .. } => {
-                let flat = Flat::new(program, PrototypeId(0), &[*edge])?;
+                let flat = Flat::new(program, PrototypeId(0), &[*edge], Tori::Chords)?;
                 (self.group(program, &flat, frame, false), NONE, 0)
             }
         };
@@ -251,11 +264,15 @@ impl Builder {
         let first = self.facets.len() as u32;
         for facet in &atom.facets {
             let surface = facet.facet.surface();
-            let (row, kind) = self.surface(program, surface.0, frame);
+            let (row, kind) = match self.surface(program, surface.0, frame) {
+                (row, Kind::FirstChord) if facet.second => (row, Kind::SecondChord),
+                known => known,
+            };
             self.layout.kinds[kind as usize] = true;
             // surfaces with equal numbers in one frame are one surface: a ray has the same roots in it, bit for bit
             let own = 1 << 30 | (self.layout.faces.len() as u32);
             let key = atom.frame.map_or(surface.0, |at| *keys.entry((at, surface.0)).or_insert(own));
+            let key = if facet.second { key | SECOND } else { key };
             self.facets.push([row, (kind as u32) << 1 | u32::from(facet.facet.inside()), key, 0]);
             self.layout.faces.push(Face {
                 leaf: LeafId(facet.leaf.0),
@@ -264,7 +281,7 @@ impl Builder {
                 placement: PlacementId(facet.placement),
             });
         }
-        if let Some(facet) = atom.facets.iter().find(|f| !has_kernel(program, f.facet)) {
+        if let Some(facet) = atom.facets.iter().find(|f| !has_kernel(program, f.facet, Tori::Chords)) {
             self.around(program, facet, frame);
         }
         self.atoms.push([first, self.facets.len() as u32 - first, map, atom.instance]);
@@ -292,9 +309,9 @@ impl Builder {
     fn ball(&mut self, program: &Program, atom: &Atom, flat: &Flat, frame: &Frame) -> u32 {
         let [first, rest @ ..] = &atom.facets[..] else { return NONE };
         let is_whole = rest.len() + 1 == program.leaf(first.leaf).facets().len();
+        let is_fast = rest.is_empty() && atom.frame.is_none() && !is_torus(program, first.facet);
         let bounds = program.leaf_bounds(first.leaf);
-        if !is_whole || !bounds.is_finite() || bounds.is_empty() || (rest.is_empty() && atom.frame.is_none())
-        {
+        if !is_whole || is_fast || !bounds.is_finite() || bounds.is_empty() {
             return NONE;
         }
         let places = atom.frame.map_or(&[][..], |k| &flat.frames[k].places[..]);
@@ -542,7 +559,24 @@ fn surface_rows(surface: &Surface, frame: &Frame, data: &mut Vec<Row>) -> Kind {
                 data,
             );
         }
-        Surface::Torus(_) | Surface::AffineTorus(_) | Surface::Object(_) => return Kind::Other,
+        Surface::Torus(s) => {
+            let side = any_perpendicular(s.axis);
+            let axes = [side, s.axis.cross(side), s.axis];
+            return torus_rows(frame.point(s.centre), axes, [s.major / scale, s.minor / scale], data);
+        }
+        Surface::AffineTorus(s) => {
+            let size = |map: &Mat3| Affine::from_linear(*map).linear_norm();
+            let stretch = size(&s.local_from_world) * size(&s.world_from_local);
+            if stretch.is_nan() || stretch > MOST_STRETCH {
+                return Kind::Other;
+            }
+            let side = any_perpendicular(s.torus.axis);
+            let turned = s.local_from_world.transpose();
+            let axes = [side, s.torus.axis.cross(side), s.torus.axis].map(|axis| turned * axis);
+            let radii = [s.torus.major / scale, s.torus.minor / scale];
+            return torus_rows(frame.point(s.centre), axes, radii, data);
+        }
+        Surface::Object(_) => return Kind::Other,
     };
     let (centre, radius, kind) = kind;
     let (centre, square) = (frame.point(centre), radius * radius);
@@ -553,6 +587,22 @@ fn surface_rows(surface: &Surface, frame: &Frame, data: &mut Vec<Row>) -> Kind {
     let error = up(f64::from(rounding(&[square])) + 1e-15 * square);
     data.push([up(f64::from(rounding(&centre.to_array())) + 1e-15), error, 0.0, 0.0]);
     kind
+}
+
+fn torus_rows(centre: Vec3, axes: [Vec3; 3], [major, minor]: [f64; 2], data: &mut Vec<Row>) -> Kind {
+    let numbers = [centre.to_array(), [major, minor, minor / major]].concat();
+    if !numbers.iter().all(|x| x.abs() < 1e6) {
+        return Kind::Other;
+    }
+    let all: Vec<f64> = axes.iter().flat_map(|v| v.to_array()).collect();
+    let error = |numbers: &[f64], size: f64| f64::from(up(f64::from(rounding(numbers)) + 1e-15 * size));
+    let size = all.iter().fold(1.0f64, |most, x| most.max(x.abs()));
+    data.push(row(centre, error(&centre.to_array(), 1.0)));
+    data.push(row(axes[0], error(&all, size)));
+    data.push(row(axes[1], major));
+    data.push(row(axes[2], minor));
+    data.push([error(&[major], major) as f32, error(&[minor], minor) as f32, 0.0, 0.0]);
+    Kind::FirstChord
 }
 
 fn quadric_rows(

@@ -2,7 +2,7 @@
 //! from surface to surface in double precision.
 
 use crate::error::{GpuError, Unsupported};
-use crate::flat::{Atom, Flat, FlatFacet, FlatGate, Operand};
+use crate::flat::{Atom, Flat, FlatFacet, FlatGate, Operand, Tori};
 use crate::shader;
 use rayweave_math::{Bounds, UNIT_ROUNDOFF};
 use rayweave_model::{Face, LeafId, PlacementId, Program, PrototypeId, Rule, Start, SurfaceId};
@@ -48,7 +48,7 @@ impl NextTables {
     /// [`GpuError::Unsupported`] for a program that is unbounded, or that has too many leaves and gates.
     pub fn new(program: &Program) -> Result<NextTables, GpuError> {
         let edges = program.prototype(PrototypeId(0)).expression.outputs();
-        let flat = Flat::new(program, PrototypeId(0), edges).map_err(GpuError::Unsupported)?;
+        let flat = Flat::new(program, PrototypeId(0), edges, Tori::Opaque).map_err(GpuError::Unsupported)?;
         if flat.nodes() > MOST_NODES {
             return Err(GpuError::Unsupported(Unsupported::Nodes { limit: MOST_NODES }));
         }

@@ -3,7 +3,7 @@
 use crate::adapter::Adapter;
 use crate::double::Doubles;
 use crate::error::{GpuError, Unsupported};
-use crate::flat::{Flat, MOST_NODES};
+use crate::flat::{Flat, MOST_NODES, Tori};
 use crate::frame::{Clock, Frame, Route, Sender};
 use crate::kernel::{Answer, Kernel, Slot, Tables};
 use crate::layout::{Layout, magnitude_of};
@@ -528,7 +528,7 @@ pub(crate) fn compile(program: &Program) -> Result<(Layout, Sender), GpuError> {
     if program.regions().len() > 0xfffe {
         return Err(GpuError::Unsupported(Unsupported::Regions));
     }
-    let layout = match Flat::new(program, PrototypeId(0), model.expression.outputs()) {
+    let layout = match Flat::new(program, PrototypeId(0), model.expression.outputs(), Tori::Chords) {
         Ok(flat) => Layout::small(program, &flat, &frame),
         Err(Unsupported::Nodes { .. }) => {
             let top = Top::new(program).map_err(GpuError::Unsupported)?;

@@ -46,17 +46,6 @@ impl Entry {
 
 /// The source of the shader for tables.
 pub(crate) fn source(layout: &Layout, entry: Entry, doubles: Option<&Doubles>) -> String {
-    let kinds = [
-        (Kind::Sphere, "sphere"),
-        (Kind::Cylinder, "cylinder"),
-        (Kind::Quadric, "quadric"),
-        (Kind::Ball, "ball"),
-    ];
-    let cases: String = kinds
-        .into_iter()
-        .filter(|(kind, _)| layout.kinds[*kind as usize])
-        .map(|(kind, name)| format!("        case {}u: {{ roots = {name}(facet.x, r); }}\n", kind as u32))
-        .collect();
     let placed = |used: bool, text: &str| if used { text.to_owned() } else { String::new() };
     let find = if layout.stack > 0 { include_str!("large.wgsl") } else { include_str!("small.wgsl") };
     let answer = match entry {
@@ -69,6 +58,7 @@ pub(crate) fn source(layout: &Layout, entry: Entry, doubles: Option<&Doubles>) -
     let rays = if entry == Entry::Completed { "" } else { include_str!("rays.wgsl") };
     let parts = [
         include_str!("surfaces.wgsl"),
+        if layout.kinds[Kind::FirstChord as usize] { include_str!("torus.wgsl") } else { "" },
         include_str!("walk.wgsl"),
         rays,
         find,
@@ -78,7 +68,7 @@ pub(crate) fn source(layout: &Layout, entry: Entry, doubles: Option<&Doubles>) -
     let rows = |count: Option<usize>| count.unwrap_or(1).max(1).to_string();
     let number = |x: f64| format!("{x:?}");
     let replacements = [
-        ("@KINDS@\n", cases),
+        ("@KINDS@\n", cases(layout)),
         ("@WALK@", walk(layout)),
         ("@GROUP@", (if layout.is_simple { "row.w" } else { "row.x" }).to_owned()),
         ("@DATA_ROWS@", layout.data.len().max(1).to_string()),
@@ -117,6 +107,30 @@ pub(crate) fn source(layout: &Layout, entry: Entry, doubles: Option<&Doubles>) -
         ("@DIRECTION_ERROR@", format!("{:?}", crate::twin::DIRECTION_ERROR)),
     ];
     replacements.iter().fold(parts.join("\n"), |text, (name, value)| text.replace(name, value))
+}
+
+/// The cases of the kinds of surfaces in use, except planes.
+fn cases(layout: &Layout) -> String {
+    let kinds = [
+        (Kind::Sphere, "sphere"),
+        (Kind::Cylinder, "cylinder"),
+        (Kind::Quadric, "quadric"),
+        (Kind::Ball, "ball"),
+        (Kind::FirstChord, "torus"),
+        (Kind::SecondChord, "torus"),
+    ];
+    kinds
+        .into_iter()
+        .filter(|(kind, _)| layout.kinds[*kind as usize])
+        .map(|(kind, name)| {
+            let chord = match kind {
+                Kind::FirstChord => ", false",
+                Kind::SecondChord => ", true",
+                _ => "",
+            };
+            format!("        case {}u: {{ roots = {name}(facet.x, r{chord}); }}\n", kind as u32)
+        })
+        .collect()
 }
 
 /// The walk along a group: through its network, or along its only atom.

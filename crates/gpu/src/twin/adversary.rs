@@ -58,6 +58,12 @@ impl Adversary {
         (f64::from(a) / f64::from(b) * (1.0 + sign * 2.4 * f64::from(f32::EPSILON) / 2.0)) as f32
     }
 
+    /// A square root by `1 / inverseSqrt`, within 4.5 units in the last place.
+    pub fn root(&mut self, a: f32) -> f32 {
+        let sign = if self.choice() { 1.0 } else { -1.0 };
+        (f64::from(a).sqrt() * (1.0 + sign * 4.4 * f64::from(f32::EPSILON))) as f32
+    }
+
     pub fn map(&mut self, a: V3, b: V3, mut op: impl FnMut(&mut Adversary, f32, f32) -> f32) -> V3 {
         [op(self, a[0], b[0]), op(self, a[1], b[1]), op(self, a[2], b[2])]
     }

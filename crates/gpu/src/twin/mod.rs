@@ -24,3 +24,5 @@ mod adversary;
 mod surfaces;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod torus;

@@ -21,15 +21,15 @@ fn abs(v: V3) -> V3 {
     v.map(f32::abs)
 }
 
-fn l1(v: V3) -> f32 {
+pub(crate) fn l1(v: V3) -> f32 {
     v[0].abs() + v[1].abs() + v[2].abs()
 }
 
-fn largest(v: V3) -> f32 {
+pub(crate) fn largest(v: V3) -> f32 {
     v[0].abs().max(v[1].abs()).max(v[2].abs())
 }
 
-fn times(a: V3, b: V3) -> V3 {
+pub(crate) fn times(a: V3, b: V3) -> V3 {
     [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
 }
 

@@ -2,6 +2,7 @@
 
 use super::adversary::{Adversary, V3};
 use super::surfaces::{TwinRay, cylinder, placed, plane, quadric, sphere};
+use super::torus;
 use super::{Bounds, DIRECTION_ERROR};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 
@@ -174,6 +175,43 @@ fn quadric_case(rng: &mut ChaCha8Rng, with_errors: bool) -> Vec<f64> {
     })
 }
 
+/// The moment and |y|^2 of a line; at a random point of it, the function of the torus, half of its slope and the distance from the axis.
+fn torus_case(rng: &mut ChaCha8Rng, with_errors: bool) -> Vec<f64> {
+    let (centre, axes) = (vector(rng, 1.0), axes(rng));
+    let radii = [rng.random_range(0.5f32..2.0), rng.random_range(0.2f32..1.5)];
+    let e = if with_errors { [3e-8f32, 3e-8, 6e-8, 6e-8] } else { [0.0; 4] };
+    let r = ray(rng, with_errors);
+    let x = rng.random_range(-2.0f32..2.0);
+    let row = |v: V3, w: f32| [v[0], v[1], v[2], w];
+    let rows = [
+        row(centre, e[0]),
+        row(axes[0], e[1]),
+        row(axes[1], radii[0]),
+        row(axes[2], radii[1]),
+        [e[2], e[3], 0.0, 0.0],
+    ];
+    worst(rng, |m| {
+        let centre = off3(m, centre, e[0]);
+        let axes = axes.map(|axis| off3(m, axis, e[1]));
+        let [major, minor] = [off(m, radii[0], e[2]), off(m, radii[1], e[3])];
+        let (o, d) = (off3(m, r.o, r.eo), off3(m, r.d, r.ed));
+        let (line, [a, c], s) = torus::line(m, Bounds::default().room, &rows, &r);
+        let [g, h, rho] = torus::jet(m, Bounds::default().room, &line, x);
+        let z = moved(std::array::from_fn(|k| o[k] - centre[k]), d, s);
+        let (start, y) = (axes.map(|axis| dot(axis, z)), axes.map(|axis| dot(axis, d)));
+        let p = moved(start, y, x);
+        let from_axis = (p[0] * p[0] + p[1] * p[1]).sqrt();
+        let ring = from_axis - major;
+        vec![
+            difference(a, dot(y, y)),
+            difference(c, start[0] * y[1] - start[1] * y[0]),
+            difference(g, ring * ring + p[2] * p[2] - minor * minor),
+            difference(h, ring * (p[0] * y[0] + p[1] * y[1]) / from_axis + p[2] * y[2]),
+            difference(rho, from_axis),
+        ]
+    })
+}
+
 fn cylinder_case(rng: &mut ChaCha8Rng, with_errors: bool) -> Vec<f64> {
     let (point, axes, square) = (vector(rng, 1.0), axes(rng), rng.random_range(0.01f32..4.0));
     let e = if with_errors { [3e-8f32, 3e-8, 1e-7] } else { [0.0; 3] };
@@ -219,11 +257,12 @@ fn placed_case(rng: &mut ChaCha8Rng, with_errors: bool) -> Vec<f64> {
 #[test]
 fn an_adversary_reaches_more_than_half_of_each_bound() {
     type Case = fn(&mut ChaCha8Rng, bool) -> Vec<f64>;
-    let cases: [(&str, Case); 5] = [
+    let cases: [(&str, Case); 6] = [
         ("plane: height, speed", plane_case),
         ("sphere: a, b, c", sphere_case),
         ("cylinder: a, b, c", cylinder_case),
         ("quadric: a, b, c", quadric_case),
+        ("torus: |y|^2, moment, value, slope, distance from the axis", torus_case),
         ("placed: origin, direction", placed_case),
     ];
     for with_errors in [true, false] {

@@ -27,6 +27,7 @@ pub const SCENES: &[Entry] = &[
     ("spheres 1e3", || spheres("spheres 1e3", 1_000)),
     ("spheres 1e5", || spheres("spheres 1e5", 100_000)),
     ("spheres 1e6", || spheres("spheres 1e6", 1_000_000)),
+    ("rings", rings),
 ];
 
 /// Numbers from 0 to 1 by splitmix64.
@@ -160,4 +161,17 @@ fn spheres(name: &'static str, count: usize) -> Made {
         balls.push(ball(radius)?.apply(Affine::translate(numbers.point(1.0))));
     }
     scene(name, vec![Solid::union(balls)], 1.0)
+}
+
+/// 1,000 rings in all directions.
+fn rings() -> Made {
+    let mut numbers = Numbers(7);
+    let mut rings = Vec::new();
+    for _ in 0..1_000 {
+        let major = 0.03 + 0.03 * numbers.next();
+        let ring = shape("torus", &[("major", major.into()), ("minor", (0.3 * major).into())])?;
+        let turn = Affine::rotation(numbers.point(1.0).normalize_or(Vec3::X), 360.0 * numbers.next());
+        rings.push(ring.apply(turn.then(&Affine::translate(numbers.point(1.0)))));
+    }
+    scene("rings", vec![Solid::union(rings)], 1.0)
 }
