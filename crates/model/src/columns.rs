@@ -100,15 +100,20 @@ impl FirstHits<'_> {
     }
 }
 
-/// Columns of their own for the first crossings of a batch with normals.
+/// Columns of their own for the first crossings of a batch with normals: the fields of [`FirstHits`].
 #[derive(Clone, Debug, Default, PartialEq)]
-#[expect(missing_docs, reason = "the fields of `FirstHits` by name")]
 pub struct FirstHitColumns {
+    /// The time of the crossing; +inf for a miss.
     pub t: Vec<f64>,
+    /// The number of the face ([`Program::face_number`]); -1 for a miss.
     pub face: Vec<i32>,
+    /// The placement of the face; 0 for a miss.
     pub placement: Vec<u32>,
+    /// The region before the crossing; for a miss, the region of the whole ray.
     pub before: Vec<u32>,
+    /// The region after the crossing; for a miss, the region of the whole ray.
     pub after: Vec<u32>,
+    /// Components of the unit normals ([`attributes::normal`]); NaN for a miss.
     pub normal: [Vec<f64>; 3],
 }
 
