@@ -2,7 +2,7 @@
 
 use crate::distance::world_surfaces;
 use rayweave_math::{Bounds, Vec3};
-use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch};
+use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{Cylinder, Surface};
 use std::f64::consts::TAU;
@@ -21,6 +21,9 @@ pub struct CylindricalFace {
     /// The depth of a hole that ends in the material at one end. It is measured from the plane around the open end, in front of a
     /// chamfer, to the end of the cylinder.
     pub depth: Option<f64>,
+    /// True if a hole is open at both ends; a groove is closed at both. Only the region around a hole closes it, not another part
+    /// in front of it, such as the head of a bolt.
+    pub is_through: bool,
 }
 
 impl CylindricalFace {
@@ -122,21 +125,44 @@ pub fn cylindrical_faces<E: Evaluator>(evaluator: &E) -> CylindricalFaces {
     CylindricalFaces { faces, left_out }
 }
 
-/// The spans of a line within material.
+/// The regions along a line.
 #[derive(Clone, Debug, Default)]
 struct Spans {
-    starts_inside: bool,
-    changes: Vec<f64>,
+    /// The region at the beginning; 0 stands for every region without a medium.
+    start: usize,
+    /// The places where the region changes, with the next one.
+    changes: Vec<(f64, usize)>,
 }
 
 impl Spans {
+    fn count_until(&self, t: f64) -> usize {
+        self.changes.partition_point(|&(change, _)| change <= t)
+    }
+
+    fn region(&self, t: f64) -> usize {
+        self.count_until(t).checked_sub(1).map_or(self.start, |k| self.changes[k].1)
+    }
+
     fn is_in(&self, t: f64) -> bool {
-        self.starts_inside ^ (self.changes.partition_point(|&change| change <= t) % 2 == 1)
+        self.region(t) != 0
     }
 
     /// The first change after t.
     fn next(&self, t: f64) -> Option<f64> {
-        self.changes.get(self.changes.partition_point(|&change| change <= t)).copied()
+        self.changes.get(self.count_until(t)).map(|&(change, _)| change)
+    }
+
+    /// The last change before t.
+    fn before(&self, t: f64) -> Option<f64> {
+        let count = self.changes.partition_point(|&(change, _)| change < t);
+        count.checked_sub(1).map(|k| self.changes[k].0)
+    }
+
+    /// The places where material begins or ends.
+    fn ends(&self) -> impl Iterator<Item = f64> {
+        let before = std::iter::once(self.start).chain(self.changes.iter().map(|&(_, region)| region));
+        let is_end = |&(&(_, after), before): &(&(f64, usize), usize)| (after == 0) != (before == 0);
+        self.changes.iter().zip(before).filter(is_end).map(|(&(t, _), _)| t)
     }
 }
 
@@ -190,7 +216,7 @@ impl<'a> Lines<'a> {
         scratch: &mut E::Scratch,
     ) -> Vec<Spans> {
         let program = evaluator.program();
-        let is_in = |region| program.medium_of(region) != 0;
+        let number = |region: RegionId| if program.medium_of(region) == 0 { 0 } else { region.index() };
         let mut batch = RayBatch::default();
         for &(line, radius) in places {
             // beside the axes of the model, where seams and corners are likely
@@ -200,9 +226,9 @@ impl<'a> Lines<'a> {
         }
         let mut found = vec![Spans::default(); places.len()];
         let mut sink = |answer: RayAnswer<'_>| {
-            let changes = answer.crossings.iter().filter(|c| is_in(c.before) != is_in(c.after));
-            let changes = changes.map(|crossing| crossing.t).collect();
-            found[answer.ray] = Spans { starts_inside: is_in(answer.start), changes };
+            let changes = answer.crossings.iter().filter(|c| number(c.before) != number(c.after));
+            let changes = changes.map(|crossing| (crossing.t, number(crossing.after))).collect();
+            found[answer.ray] = Spans { start: number(answer.start), changes };
         };
         evaluator.crossings(batch.rays(), &Query::default(), scratch, &mut sink);
         found
@@ -241,12 +267,18 @@ impl<'a> Lines<'a> {
         let count = is_there.iter().filter(|is| **is).count();
         let is_hole = group[0].is_hole;
         let beyond = SHORT * self.cylinder.radius;
-        // most of the lines inside end in material
-        let is_closed = |at: &dyn Fn(&Stretch) -> f64| {
-            let closed = group.iter().filter(|stretch| self.pairs[stretch.line][0].is_in(at(stretch)));
-            2 * closed.count() > group.len()
+        // most of the lines inside end in the material that is outside
+        let is_closed = |at: &dyn Fn(&Stretch) -> [f64; 2]| {
+            let is_same = |stretch: &&Stretch| {
+                let ([inner, outer], [beyond, within]) = (&self.pairs[stretch.line], at(stretch));
+                inner.is_in(beyond) && inner.region(beyond) == outer.region(within)
+            };
+            2 * group.iter().filter(is_same).count() > group.len()
         };
-        let closed = [is_closed(&|stretch| stretch.from - beyond), is_closed(&|stretch| stretch.to + beyond)];
+        let closed = [
+            is_closed(&|stretch| [stretch.from - beyond, stretch.from + 0.5 * beyond]),
+            is_closed(&|stretch| [stretch.to + beyond, stretch.to - 0.5 * beyond]),
+        ];
         let depth = match (is_hole, closed) {
             (true, [false, true]) => Some(to - self.opening(group[0].line, from, -1.0, evaluator, scratch)),
             (true, [true, false]) => Some(self.opening(group[0].line, to, 1.0, evaluator, scratch) - from),
@@ -259,13 +291,14 @@ impl<'a> Lines<'a> {
             is_hole,
             share: count as f64 / LINES as f64,
             depth,
+            is_through: is_hole && closed == [false; 2],
         }
     }
 
     /// The pieces of a line with material on one side only.
     fn stretches(&self, line: usize) -> Vec<Stretch> {
         let [inner, outer] = &self.pairs[line];
-        let mut ends: Vec<f64> = inner.changes.iter().chain(&outer.changes).copied().collect();
+        let mut ends: Vec<f64> = inner.ends().chain(outer.ends()).collect();
         ends.sort_by(f64::total_cmp);
         let least = SHORT * self.cylinder.radius;
         let mut found: Vec<Stretch> = Vec::new();
@@ -299,9 +332,10 @@ impl<'a> Lines<'a> {
         let places: Vec<(usize, f64)> =
             (1..=RADII).map(|k| (line, radius * (1.0 + 0.05 * k as f64))).collect();
         let within = end - sign * SHORT * radius;
+        let region = self.pairs[line][1].region(within);
         let exit = |spans: &Spans| {
             let after = if sign > 0.0 { spans.next(within) } else { spans.before(within) };
-            after.filter(|_| spans.is_in(within))
+            after.filter(|_| spans.region(within) == region)
         };
         let exits: Vec<Option<f64>> =
             self.spans(evaluator, &places, scratch).iter().map(exit).take_while(Option::is_some).collect();
@@ -309,13 +343,5 @@ impl<'a> Lines<'a> {
         let is_flat = |pair: &&[f64]| (pair[1] - pair[0]).abs() < 1e-9 * radius;
         let flat = exits.windows(2).find(is_flat).map(|pair| pair[0]);
         flat.filter(|flat| sign * (flat - end) > 0.0).unwrap_or(end)
-    }
-}
-
-impl Spans {
-    /// The last change before t.
-    fn before(&self, t: f64) -> Option<f64> {
-        let count = self.changes.partition_point(|&change| change < t);
-        count.checked_sub(1).map(|k| self.changes[k])
     }
 }

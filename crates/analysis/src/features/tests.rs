@@ -69,6 +69,38 @@ fn counterbores_have_a_depth() {
     assert_eq!(found(text), [(11.0, 1.0, true, Some(6.0)), (6.6, 1.0, true, None)]);
 }
 
+/// Only the part around a hole closes it: a bolt whose head covers the hole, and a washer around a blind hole, do not.
+#[test]
+fn other_parts_do_not_change_depths() {
+    let parts = "[solid.block]\nbox_from_corners = { lo = [0, 0, 0], hi = [40, 30, 20] }\n\
+        [solid.drill]\ncylinder = { radius = 3.3 }\ntransform = { translate = [12, 11, 0] }\n\
+        [solid.blind]\ncylinder = { radius = 4, height = 24 }\ntransform = { translate = [30, 11, 20] }\n\
+        [solid.part]\nexpr = \"block - drill - blind\"\n\
+        [solid.shank]\ncylinder = { radius = 3, height = 30 }\ntransform = { translate = [12, 11, 5] }\n\
+        [solid.head]\ncylinder = { radius = 5.5, height = 6 }\ntransform = { translate = [12, 11, 23] }\n\
+        [solid.bolt]\nexpr = \"shank | head\"\n\
+        [solid.washer]\ntube = { inner_radius = 5, outer_radius = 9, height = 2 }\ntransform = { translate = [30, 11, 21] }\n";
+    let alone = format!("{parts}[[region]]\nsolid = \"part\"");
+    let all = format!("{alone}\n[[region]]\nsolid = \"bolt\"\n[[region]]\nsolid = \"washer\"");
+    for text in [alone, all] {
+        let faces = cylindrical_faces(&evaluator(&text)).faces;
+        let hole = |radius: f64| *faces.iter().find(|f| f.is_hole && f.radius == radius).unwrap();
+        assert!(hole(3.3).is_through && hole(3.3).depth.is_none(), "{faces:?}");
+        assert!(!hole(4.0).is_through && (hole(4.0).depth.unwrap() - 12.0).abs() < 1e-9, "{faces:?}");
+    }
+}
+
+/// A groove in a bore is closed at both ends: it has no depth, and it is not through.
+#[test]
+fn grooves_are_not_through() {
+    let text = "[solid.part.revolve]\n\
+        outline = [[25, 0], [60, 0], [60, 42], [25, 42], [25, 30], [35, 30], [35, 12], [25, 12]]";
+    let faces = cylindrical_faces(&evaluator(text)).faces;
+    let of = |radius: f64| faces.iter().filter(move |face| face.radius == radius);
+    assert!(of(35.0).all(|f| f.is_hole && f.depth.is_none() && !f.is_through), "{faces:?}");
+    assert_eq!((of(35.0).count(), of(25.0).filter(|face| face.is_through).count()), (1, 2), "{faces:?}");
+}
+
 /// The corners of an extruded outline are quarters of cylinders, outside; the ends of a slot are half cylinders.
 #[test]
 fn fillets_are_parts_of_cylinders() {

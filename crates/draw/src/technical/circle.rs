@@ -15,6 +15,8 @@ pub struct Circle {
     /// True if more than half of the circle is there; it has a diameter, and others have a radius.
     pub is_full: bool,
     pub depth: Option<f64>,
+    /// The width of a groove, a hole that is closed at both ends.
+    pub width: Option<f64>,
 }
 
 /// Circles with the same text.
@@ -34,6 +36,7 @@ impl Circle {
             is_hole: face.is_hole,
             is_full: face.share > 0.5,
             depth: face.depth,
+            width: (face.is_hole && !face.is_through && face.depth.is_none()).then(|| face.length()),
         }
     }
 
@@ -46,6 +49,7 @@ impl Circle {
         (self.is_hole || !self.is_full, self.is_full) == (other.is_hole || !other.is_full, other.is_full)
             && (self.radius - other.radius).abs() < tolerance
             && is_near(self.depth, other.depth)
+            && is_near(self.width, other.width)
     }
 }
 
@@ -102,10 +106,12 @@ fn text(circles: &[Circle], ring: Option<(Point, f64)>, resolution: f64) -> Stri
         true => format!("\u{2300}{}", number(2.0 * first.radius)),
         false => format!("R{}", number(first.radius)),
     };
-    match (first.is_full && first.is_hole, first.depth) {
-        (true, Some(depth)) => text += &format!(" \u{d7} {} deep", number(depth)),
-        (true, None) => text += " through",
-        _ => {}
+    if first.is_full && first.is_hole {
+        text += &match (first.depth, first.width) {
+            (Some(depth), _) => format!(" \u{d7} {} deep", number(depth)),
+            (None, Some(width)) => format!(" \u{d7} {} wide", number(width)),
+            (None, None) => " through".to_owned(),
+        };
     }
     if let Some((_, radius)) = ring {
         text += &format!(" on \u{2300}{}", number(2.0 * radius));
@@ -118,7 +124,7 @@ mod tests {
     use super::*;
 
     fn circle(centre: Point, radius: f64, depth: Option<f64>) -> Circle {
-        Circle { centre, radius, is_hole: true, is_full: true, depth }
+        Circle { centre, radius, is_hole: true, is_full: true, depth, width: None }
     }
 
     fn texts(circles: &[Circle]) -> Vec<String> {

@@ -91,6 +91,37 @@ fn hidden_holes_are_dashed() {
     assert_eq!(numbers(&svg, "hidden", "r").len(), 1, "{svg}");
 }
 
+/// The middle of a bore is at the height where a fillet in front of it ends.
+#[test]
+fn hidden_holes_behind_joints_of_faces_are_dashed() {
+    for (bore, fillet) in [(20, 5), (25, 5), (28, 5), (25, 8)] {
+        let text = format!(
+            "rayweave = 1\n[solid.part.revolve]\noutline = [[{bore}, 0], [60, 0], [60, 16], \
+             {{ at = [31, 16], fillet = {fillet} }}, [31, 42], [{bore}, 42]]"
+        );
+        let svg = drawing(&text, &TechnicalOptions::default()).unwrap().svg;
+        // from the front and from the right
+        assert_eq!(svg.matches("class=\"hidden\"").count(), 2, "bore {bore}, fillet {fillet}: {svg}");
+    }
+}
+
+/// A groove in a bore is no hole, and the head of a bolt does not make a hole blind.
+#[test]
+fn labels_are_those_of_the_part_around_a_hole() {
+    let groove = "rayweave = 1\n[solid.part.revolve]\n\
+        outline = [[25, 0], [60, 0], [60, 42], [25, 42], [25, 30], [35, 30], [35, 12], [25, 12]]";
+    let svg = drawing(groove, &TechnicalOptions::default()).unwrap().svg;
+    assert!(has(&svg, "\u{2300}70 \u{d7} 18 wide") && has(&svg, "\u{2300}50 through"), "{svg}");
+    let bolted = "rayweave = 1\n[solid.block]\nbox_from_corners = { lo = [-30, -30, 0], hi = [30, 30, 20] }\n\
+        [solid.hole]\ncylinder = { radius = 6.75 }\n[solid.sink]\ncylinder = { radius = 12, height = 10 }\n\
+        transform = { translate = [0, 0, 20] }\n[solid.plate]\nexpr = \"block - hole - sink\"\n\
+        [solid.shank]\ncylinder = { radius = 6, height = 30 }\n[solid.head]\ncylinder = { radius = 10, height = 8 }\n\
+        transform = { translate = [0, 0, 19] }\n[solid.bolt]\nexpr = \"shank | head\"\n\
+        [[region]]\nsolid = \"plate\"\n[[region]]\nsolid = \"bolt\"";
+    let svg = drawing(bolted, &TechnicalOptions::default()).unwrap().svg;
+    assert!(has(&svg, "\u{2300}13.5 through") && has(&svg, "\u{2300}24 \u{d7} 5 deep"), "{svg}");
+}
+
 /// The view at a slant looks along the diagonal of a cube: along the axes x, y and z in equal parts.
 #[test]
 fn the_view_at_a_slant_is_isometric() {
