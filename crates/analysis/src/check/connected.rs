@@ -14,7 +14,7 @@ use rayweave_math::{Bounds, Vec3};
 use rayweave_model::drive::Cancel;
 use rayweave_model::{Crossing, Evaluator, Face, Query, RayAnswer, RayBatch, RegionId};
 use rayweave_shape::Ray;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 /// Models with more regions are not examined: in detectors, separate pieces are the usual case.
@@ -55,8 +55,8 @@ struct Chord {
     faces: [Option<Face>; 2],
     from: f64,
     to: f64,
-    /// The region before the chord.
-    before: RegionId,
+    /// The regions before and after the chord; its own at the ends of the grid.
+    beside: [RegionId; 2],
     /// The area that the ray represents.
     area: f64,
 }
@@ -240,15 +240,15 @@ impl<'a, E: Evaluator> Chords<'a, E> {
             let started = answer.crossings.iter().take_while(|c| c.t <= lo).last();
             let mut region = started.map_or(answer.start, |crossing| crossing.after);
             let (mut from, mut face, mut before) = (lo, None, region);
-            let mut add = |region, faces, from, to, before| {
-                all[answer.ray].push(Chord { ray, region, faces, from, to, before, area });
+            let mut add = |region, faces, from, to, beside| {
+                all[answer.ray].push(Chord { ray, region, faces, from, to, beside, area });
             };
             for crossing in inner {
-                add(region, [face, Some(crossing.face)], from, crossing.t, before);
+                add(region, [face, Some(crossing.face)], from, crossing.t, [before, crossing.after]);
                 before = region;
                 (region, from, face) = (crossing.after, crossing.t, Some(crossing.face));
             }
-            add(region, [face, None], from, hi, before);
+            add(region, [face, None], from, hi, [before, region]);
         };
         self.evaluator.crossings(batch.rays(), &Query::default(), &mut self.scratch, &mut sink);
         all
@@ -548,13 +548,23 @@ impl<'a, E: Evaluator> Chords<'a, E> {
         Finding { at: Some(chord.middle()), ray: Some(chord.measured()), ..finding }
     }
 
+    /// A cavity in one region, or between several.
     fn cavity(&self, names: &[&str], chords: &[u32]) -> Finding {
         let chord = self.longest(chords);
-        let around = chord.before.index().checked_sub(1).and_then(|k| names.get(k)).copied();
+        let beside: BTreeSet<RegionId> =
+            chords.iter().flat_map(|&k| self.chords[k as usize].beside).collect();
+        let around: Vec<&str> = beside
+            .iter()
+            .filter_map(|region| region.index().checked_sub(1).and_then(|k| names.get(k)).copied())
+            .collect();
         let volume = rayweave_math::round_to_digits(self.volume(chords), 2);
-        let name = around.unwrap_or("the model");
-        let text = format!("{name} has a closed cavity with a volume of about {volume}");
-        let finding = Finding::new(FindingKind::Cavity, around.as_slice(), text);
+        let cavity = format!("a closed cavity with a volume of about {volume}");
+        let text = match &around[..] {
+            [] => format!("the model has {cavity}"),
+            [name] => format!("{name} has {cavity}"),
+            [first @ .., last] => format!("{} and {last} enclose {cavity}", first.join(", ")),
+        };
+        let finding = Finding::new(FindingKind::Cavity, &around, text);
         Finding { at: Some(chord.middle()), ray: Some(chord.measured()), ..finding }
     }
 }

@@ -53,6 +53,26 @@ fn thin_parts_are_one_piece() {
     assert_eq!(texts(&region(ring, "p"), FindingKind::Loose), [""; 0]);
 }
 
+/// The hole of a nut between a lid and a floor is closed by all three; without the lid it is open.
+#[test]
+fn cavities_between_regions_name_all_of_them() {
+    let solids = "[solid._d]\ncylinder = { radius = 6, height = 5 }\n[solid._h]\ncylinder = { radius = 3 }\n\
+        [solid.nut]\nexpr = \"_d - _h\"\n[solid.lid]\ncylinder = { radius = 6, height = 1 }\ntransform = { translate = [0, 0, 3] }\n\
+        [solid.floor]\ncylinder = { radius = 6, height = 1 }\ntransform = { translate = [0, 0, -3] }\n";
+    let closed = format!(
+        "{solids}[[region]]\nsolid = \"lid\"\n[[region]]\nsolid = \"nut\"\n[[region]]\nsolid = \"floor\""
+    );
+    let report = checked(&closed, &CheckSettings { across: 64, ..quick() });
+    let cavity = report.of(FindingKind::Cavity).next().unwrap();
+    // 45 pi = 141.4
+    assert_eq!(cavity.text, "lid, nut and floor enclose a closed cavity with a volume of about 140");
+    assert_eq!(cavity.regions, ["lid", "nut", "floor"]);
+    let at = cavity.at.unwrap();
+    assert!(libm::hypot(at.x, at.y) < 3.0 && at.z.abs() < 2.5, "{at}");
+    let open = closed.replace("[[region]]\nsolid = \"lid\"\n", "");
+    assert_eq!(texts(&open, FindingKind::Cavity), [""; 0]);
+}
+
 /// A hollow ball has a cavity, a ball with a hole into it has none; neither has a cup.
 #[test]
 fn closed_cavities_are_found() {

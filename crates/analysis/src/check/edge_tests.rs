@@ -217,6 +217,40 @@ fn contacts_have_a_point() {
     assert!(touch.ray.is_none() && (touch.at.unwrap().z - 13.0).abs() < 1e-12, "{touch:?}");
 }
 
+/// Walls and gaps of exactly the limit are not below it, wherever the part lies; a billionth above, they are.
+#[test]
+fn widths_equal_to_the_limit_are_not_below_it() {
+    let places = [
+        "",
+        "\ntransform = [{ rotate_x = 31 }, { rotate_y = 17 }, { translate = [900, -40, 30] }]",
+        "\ntransform = { translate = [0.1, 0.7, 1234.5] }",
+    ];
+    for place in places {
+        let tube =
+            format!("[solid.ring]\ntube = {{ outer_radius = 9, inner_radius = 6, height = 20 }}{place}");
+        let groove = grooved(30.0, 0.7, "").replace("transform = []", place.trim());
+        let gap = format!(
+            "[solid.bush]\ntube = {{ outer_radius = 9, inner_radius = 6, height = 20 }}{place}\n\
+             [solid.pin]\ncylinder = {{ radius = 5.7, height = 20 }}{place}\n\
+             [[region]]\nsolid = \"bush\"\n[[region]]\nsolid = \"pin\""
+        );
+        for (text, kind, size) in [
+            (&tube, FindingKind::Thin, 3.0),
+            (&groove, FindingKind::Thin, 0.7),
+            (&gap, FindingKind::Gap, 0.3),
+        ] {
+            let settings = |size: f64| match kind {
+                FindingKind::Gap => with(0.0, size),
+                _ => with(size, 0.0),
+            };
+            let found = sizes(&checked(text, &settings(size)), kind);
+            assert!(found.is_empty(), "{found:?}\n{text}");
+            let above = sizes(&checked(text, &settings(size * (1.0 + 1e-9))), kind);
+            assert!(are(&above, &[size]), "{above:?}\n{text}");
+        }
+    }
+}
+
 /// A contact is reported although the box of one part is inside that of the other; a part inside another touches nothing.
 #[test]
 fn parts_in_the_box_of_another_touch_it() {

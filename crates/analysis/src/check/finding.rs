@@ -30,7 +30,7 @@ pub enum FindingKind {
     Optical,
     /// A region consists of separate pieces: a note, not a fault.
     Loose,
-    /// A region has a closed cavity: a note, not a fault.
+    /// One or several regions enclose a cavity: a note, not a fault.
     Cavity,
     /// Two regions touch: a note, not a fault.
     Touch,

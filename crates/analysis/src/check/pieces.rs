@@ -14,6 +14,7 @@ use crate::error::Cancelled;
 use crate::survey::{Across, Faces, Piece};
 use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3};
 use rayweave_model::{Evaluator, Program, RegionId};
+use rayweave_shape::surface::delta_of;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -149,6 +150,15 @@ fn width(piece: &Piece<'_>, less_than: f64) -> Option<f64> {
     is_near.then(|| piece.wall()).flatten().filter(|width| *width < SEARCHED * less_than)
 }
 
+/// The rounding error of a width, by which limits are lowered: a wall exactly as thick as the limit is not below it. A width is the
+/// distance of two points of a ray, so this is the tolerance of such a point. Origins of rays and magnitudes of
+/// surfaces are at most the distance of the farthest corner of the frame from the origin plus the diagonal of the frame, times are at
+/// most this diagonal.
+fn rounding(frame: &Bounds) -> f64 {
+    let (far, diagonal) = (frame.lo.abs().max(frame.hi.abs()).length(), frame.size().length());
+    delta_of(2.0 * far + 3.0 * diagonal)
+}
+
 /// Findings of rays through the whole model and through the box of each region.
 pub fn findings<E: Evaluator>(
     subject: &Subject<'_>,
@@ -198,6 +208,7 @@ pub fn findings<E: Evaluator>(
         }
     }
     probe.scope.chords = seen.chords;
+    let limits = limits.map(|limit| limit - rounding(&frame));
     let least = |between: &Between| match kind(between, &is_mother) {
         Some(Kind::Wall(_)) => limits[0],
         Some(Kind::Gap(_)) => limits[1],

@@ -32,7 +32,7 @@ Kinds of findings:
   gap       a gap narrower than --gap
   optical   an optical property, surface or sensor is probably wrong
   loose     a region consists of separate pieces (a note)
-  cavity    a region has a closed cavity (a note)
+  cavity    one or several regions enclose a cavity (a note)
   touch     two regions touch (a note)
   unused    an optical property or surface has no effect (a note)
 
@@ -454,6 +454,9 @@ fn facts(finding: &Finding, unit: &str) -> String {
     );
     facts.extend(finding.volume.map(|volume| format!("volume {} {unit}^3", interval::text(&volume))));
     facts.extend(finding.area.map(|area| format!("area about {} {unit}^2", terminal::short3(area))));
+    // a point of the piece or cavity, which the ray passes through
+    let has_point = matches!(finding.kind, FindingKind::Loose | FindingKind::Cavity) && finding.ray.is_some();
+    facts.extend(finding.at.filter(|_| has_point).map(|at| format!("at {}", point(at))));
     facts.extend(match (finding.ray, finding.at) {
         (Some(ray), _) => Some(format!("ray from {} to {}", point(ray.from), point(ray.to))),
         (None, at) => at.map(|at| format!("at {}", point(at))),

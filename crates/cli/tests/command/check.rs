@@ -193,6 +193,7 @@ fn loose_pieces_and_cavities() {
     bench.write("hollow.toml", hollow);
     let said = bench.says(&["check", "hollow.toml"]);
     assert!(said.contains("cavity: part has a closed cavity with a volume of about 11"), "{said}");
+    assert!(said.contains("  at (") && said.contains("), ray from ("), "{said}");
     assert_eq!(bench.run(&["convert", "hollow.toml", "hollow.stl", "--tolerance", "0.1"]).code, 0);
     assert!(
         bench.says(&["info", "hollow.stl"]).contains("2: 1 piece, 1 cavity"),
