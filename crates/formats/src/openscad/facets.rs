@@ -11,6 +11,9 @@ const GRID_FINE: f64 = 1.0 / 1_048_576.0;
 /// Maximum number of fragments of a circle; more would exhaust memory.
 const MAX_FRAGMENTS: f64 = 10_000.0;
 
+/// With up to this number of sides, people mean a polygon (a nut, a pyramid); with more, a coarse circle.
+const MOST_SIDES_OF_POLYGON: f64 = 8.0;
+
 /// Tessellation parameters of an item: `$fn`, `$fa` (degrees) and `$fs` (length).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fineness {
@@ -35,6 +38,11 @@ impl Fineness {
     /// The number of fragments that `$fn` states, if it does.
     pub fn stated(&self) -> Option<f64> {
         (self.count > 0.0).then(|| self.count.max(3.0).floor())
+    }
+
+    /// True if `$fn` asks for a polygon rather than for a coarse circle: 6 for a nut, 4 for a pyramid.
+    pub fn is_polygon(&self) -> bool {
+        self.stated().is_some_and(|sides| sides <= MOST_SIDES_OF_POLYGON)
     }
 
     /// Number of fragments of a full circle.

@@ -2,13 +2,13 @@
 
 use super::arguments::{Arguments, Refusal};
 use super::extent::Way;
-use super::facets::{Fineness, sphere_rings};
+use super::facets::sphere_rings;
 use super::flat::Flat;
 use super::mesh::{self, Twist};
 use super::operation::Operation;
 use super::primitive::CylinderSizes;
 use super::region::{Contours, boundary};
-use super::sector::{Sectors, round};
+use super::sector::{Sectors, profile, round};
 use super::shell::Shell;
 use super::state::Reader;
 use super::{gather, transform};
@@ -160,7 +160,7 @@ fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<S
         arguments.spend(50 * known.triangles.len())?;
         return Ok(vec![known]);
     }
-    let fragments = |radius: f64| Ok::<_, Refusal>(round(reader, Fineness::of(arguments)?.fragments(radius)));
+    let fragments = |radius: f64| round(reader, arguments, radius);
     let rings = |rings: &[[f64; 2]], fragments| {
         let (vertices, triangles) = mesh::between_rings(rings, fragments);
         vec![Shell { vertices, triangles, is_convex: true }]
@@ -199,7 +199,7 @@ fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<S
 
 /// The facets of a `rotate_extrude` of a region, which may touch each other only if the region touches itself.
 pub(super) fn turned_region(reader: &Reader, arguments: &Arguments, flat: Flat) -> Result<Shell, Refusal> {
-    let contours = boundary(arguments, &reader.flats, flat)?;
+    let contours = profile(reader, arguments, flat)?;
     let sectors = Sectors::of(reader, arguments, &contours)?;
     turned(arguments, &contours, &sectors)
 }

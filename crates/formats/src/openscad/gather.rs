@@ -12,7 +12,7 @@ use super::part::Part;
 use super::primitive::CylinderSizes;
 use super::region::{Contours, boundary};
 use super::revolve::plane_similarity;
-use super::sector::Sectors;
+use super::sector::{Sectors, profile};
 use super::state::Reader;
 use super::{mesh, transform};
 use crate::kernel::triangulated;
@@ -49,7 +49,7 @@ pub(super) fn generators(reader: &Reader, root: usize, map: Affine) -> Result<Ve
                 continue;
             }
             _ => {
-                leaf(&arguments, &node.name, reader.options.facets, &map, &mut found)?;
+                leaf(&arguments, &node.name, reader.is_faceted(&arguments), &map, &mut found)?;
                 continue;
             }
         }
@@ -112,10 +112,14 @@ fn pieces_of(
     map: &Affine,
 ) -> Result<Vec<Vec<Generator>>, Refusal> {
     let Some(flat) = reader.extruded.get(&number) else { return Ok(Vec::new()) };
-    let contours = boundary(arguments, &reader.flats, *flat)?;
+    let is_straight = reader.tree.nodes[number].name == "linear_extrude";
+    let contours = match is_straight {
+        true => boundary(arguments, &reader.flats, *flat)?,
+        false => profile(reader, arguments, *flat)?,
+    };
     let pieces = convex_pieces(arguments, &contours)?;
     let mut parts = Vec::new();
-    if reader.tree.nodes[number].name == "linear_extrude" {
+    if is_straight {
         let Some(way) = Way::of(arguments)? else { return Ok(Vec::new()) };
         if arguments.number("twist", 0.0)? != 0.0 || !way.is_even() {
             return Err(arguments.refusal("it is part of a Minkowski sum but not known to be convex"));
@@ -324,12 +328,12 @@ fn turned(
     found: &mut Vec<Generator>,
 ) -> Result<(), Refusal> {
     let Some(flat) = reader.extruded.get(&number) else { return Ok(()) };
-    let contours = boundary(arguments, &reader.flats, *flat)?;
+    let contours = profile(reader, arguments, *flat)?;
     let sectors = Sectors::of(reader, arguments, &contours)?;
     // the corners of the hull of the profile and its mirror image
     let mirrored = contours.iter().flatten().flat_map(|p| [*p, [-p[0], p[1]]]).collect();
     let profile: Vec<Point> = corners(mirrored).into_iter().filter(|p| p[0] >= 0.0).collect();
-    match similarity(map).filter(|_| sectors.is_whole && !reader.options.facets) {
+    match similarity(map).filter(|_| sectors.is_whole && !reader.is_faceted(arguments)) {
         Some(factor) => {
             let fragments = sectors.count;
             found.extend(profile.iter().map(|[radius, z]| disc([*radius, *z], factor, map, fragments)));

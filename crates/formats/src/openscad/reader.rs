@@ -6,7 +6,6 @@ use super::boolean::{join, join_solids, whole};
 use super::drawing::TOLERANCE;
 use super::extent::Way;
 use super::extrude::extruded;
-use super::facets::Fineness;
 use super::flat::{self, Flat, Leaf};
 use super::fold::{Start, is_union, turned_region};
 use super::hull::Generator;
@@ -25,9 +24,6 @@ use crate::{LossKind, Report};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 use rayweave_scene::{Colour, Diagnostic, Diagnostics, Medium, Scene, SceneRegion, Severity, Unit};
-
-/// With up to this number of sides, people mean a polygon (a nut, a pyramid); with more, a coarse circle.
-const MOST_SIDES_OF_PRISM: f64 = 8.0;
 
 impl<'a> Reader<'a> {
     /// The scene of all items, with one region per colour.
@@ -94,26 +90,10 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The warning about a prism or another solid with few sides that is read as round: a nut, say, whose author wrote `$fn = 6`.
-    fn rounded(&self, number: usize, node: &Node) -> Option<Diagnostic> {
-        let is_round = matches!(node.name.as_str(), "sphere" | "cylinder" | "circle" | "rotate_extrude");
-        let arguments = self.arguments(number);
-        let sides = Fineness::of(&arguments).ok()?.stated().filter(|&sides| sides <= MOST_SIDES_OF_PRISM)?;
-        let why = || {
-            let advice = "--facets keeps the sides of all shapes, in Python facets=True";
-            arguments
-                .approximation(&format!("has {sides} sides in OpenSCAD ($fn) and is read as round; {advice}"))
-        };
-        (is_round && !self.options.facets).then(why)
-    }
-
     fn part(&mut self, number: usize) -> Part {
         let node = &self.tree.nodes[number];
         for warning in self.arguments(number).unused() {
             self.report.add(LossKind::Dropped, &item(node), warning);
-        }
-        if let Some(warning) = self.rounded(number, node) {
-            self.report.add(LossKind::Approximated, &item(node), warning);
         }
         let part = self.read(number, node);
         if self.flats.has_chords.take() {
@@ -136,7 +116,7 @@ impl<'a> Reader<'a> {
 
     fn read(&mut self, number: usize, node: &'a Node) -> Result<Part, Refusal> {
         let arguments = self.arguments(number);
-        let facets = self.options.facets;
+        let facets = self.is_faceted(&arguments);
         match node.name.as_str() {
             "group" | "union" | "render" => self.combine(&arguments, node, Operation::Union),
             "difference" => self.combine(&arguments, node, Operation::Difference),
@@ -333,14 +313,15 @@ impl<'a> Reader<'a> {
             Ok(flat) => flat,
             Err(part) => return Ok(part),
         };
-        let Some(mut turn) = Turn::new(arguments, self.options.facets, &self.flats, flat)? else {
+        let facets = self.is_faceted(arguments);
+        let Some(mut turn) = Turn::new(arguments, facets, &self.flats, flat)? else {
             return Ok(Part::Empty);
         };
         let solid = turn.solid(&self.flats, flat)?;
         for message in turn.approximations {
             self.report.add(LossKind::Approximated, "rotate_extrude()", arguments.approximation(message));
         }
-        if !self.options.facets {
+        if !facets {
             return Ok(one_item(&solid).into());
         }
         let shell = turned_region(self, arguments, flat);

@@ -2,6 +2,7 @@
 
 use super::arguments::Arguments;
 use super::budget::Budget;
+use super::facets::Fineness;
 use super::flat::{Flat, Flats};
 use super::part::Part;
 use super::shared::Shared;
@@ -81,6 +82,11 @@ impl<'a> Reader<'a> {
     /// True if the shells of a node need not be computed again.
     pub fn is_known(&self, number: usize) -> bool {
         self.shells.contains_key(&number) || self.shared.get().is_some_and(|shared| shared.is_known(number))
+    }
+
+    /// True if a round item has the facets of OpenSCAD: by the option, or because it has the few sides of a polygon.
+    pub fn is_faceted(&self, arguments: &Arguments) -> bool {
+        self.options.facets || Fineness::of(arguments).is_ok_and(|fineness| fineness.is_polygon())
     }
 
     /// The arguments of a node.

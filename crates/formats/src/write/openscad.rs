@@ -69,6 +69,9 @@ pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, Wri
     Ok(text.into_bytes())
 }
 
+/// Readers take circles with fewer facets, up to 8, for polygons.
+const LEAST_AROUND: usize = 12;
+
 impl Writer<'_, '_> {
     fn add(&mut self, piece: Piece) -> usize {
         self.pieces.push(piece);
@@ -127,7 +130,7 @@ impl Writer<'_, '_> {
     /// Number of facets of a circle with the given radius in the frame of the shape.
     fn fragments(&self, place: &Affine, radius: f64) -> usize {
         let request = 0.5 * self.model.tolerance / place.similarity().unwrap_or(place.linear_norm());
-        facets::circle_count(radius, request).unwrap_or(MAX_AROUND)
+        facets::circle_count(radius, request).unwrap_or(MAX_AROUND).max(LEAST_AROUND)
     }
 
     /// The box to which a shape is cut. Each unbounded shape with planar faces has a different box around the clip box: faces of

@@ -8,20 +8,39 @@ use std::f64::consts::PI;
 /// Relative tolerance of volumes measured with rays.
 const NEAR: f64 = 1e-3;
 
-/// A nut must not become round without a word.
+/// Shapes with up to 8 sides by `$fn` are polygons, prisms and pyramids, as in OpenSCAD, without a warning.
 #[test]
-fn few_sides_read_as_round_are_reported() {
-    for (shape, sides) in [
-        ("cylinder($fn = 6, h = 10, r1 = 5, r2 = 5);", "cylinder() has 6 sides"),
-        ("sphere($fn = 8, r = 1);", "sphere() has 8 sides"),
-        ("linear_extrude(height = 2) circle($fn = 2, r = 1);", "circle() has 3 sides"),
+fn few_sides_are_kept() {
+    let square = "square([2, 2], center = true);";
+    let moved = |by: &str, item: &str| {
+        format!("multmatrix([[1, 0, 0, {by}], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) {item}")
+    };
+    let nut = "cylinder($fn = 6, h = 10, r1 = 5, r2 = 5);";
+    let (hexagon, octagon, triangle) = (1.5 * 3f64.sqrt() * 25.0, 8f64.sqrt(), 0.75 * 3f64.sqrt());
+    let bore = "multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -1], [0, 0, 0, 1]]) cylinder($fn = 64, h = 12, r1 = 2, r2 = 2);";
+    // hexagons with corners at 11 and 9 from the axis, 2 high
+    let ring = 2.0 * 1.5 * 3f64.sqrt() * (121.0 - 81.0);
+    for (text, expected) in [
+        (nut.to_owned(), 10.0 * hexagon),
+        ("cylinder($fn = 4, h = 9, r1 = 5, r2 = 0);".to_owned(), 150.0),
+        ("cylinder($fn = 8, h = 2, r1 = 1, r2 = 1);".to_owned(), 2.0 * octagon),
+        ("linear_extrude(height = 2) circle($fn = 2, r = 1);".to_owned(), 2.0 * triangle),
+        (format!("difference() {{ {nut} {bore} }}"), 10.0 * hexagon - 40.0 * PI),
+        (format!("rotate_extrude($fn = 6) {}", moved("10", square)), ring),
+        // the hull of two nuts 10 apart along a diagonal: the rectangle between them is 10 long and as wide as a nut across its flats
+        (format!("hull() {{ {nut} {} }}", moved("10", nut)), 10.0 * (hexagon + 10.0 * 5.0 * 3f64.sqrt())),
+        (
+            "linear_extrude(height = 2) projection() cylinder($fn = 6, h = 10, r1 = 5, r2 = 5);".to_owned(),
+            2.0 * hexagon,
+        ),
     ] {
-        let (count, messages) = losses(shape, LossKind::Approximated);
-        assert!(count == 1 && messages.contains(sides) && messages.contains("--facets"), "{messages}");
-        assert!(read(shape, true).report.is_empty(), "{shape}");
+        check_volume(&text, false, expected, NEAR);
+        let (count, messages) = losses(&text, LossKind::Approximated);
+        assert_eq!(count, 0, "{text}: {messages}");
     }
-    for round in ["sphere($fn = 0, $fa = 12, $fs = 2, r = 1);", "cylinder($fn = 9, h = 1, r1 = 1, r2 = 1);"] {
-        assert_eq!(losses(round, LossKind::Approximated).0, 0, "{round}");
+    // a round shape stays round
+    for round in ["sphere($fn = 0, $fa = 12, $fs = 2, r = 1);", "sphere($fn = 9, r = 1);"] {
+        check_volume(round, false, 4.0 * PI / 3.0, NEAR);
     }
 }
 
