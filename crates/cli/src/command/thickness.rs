@@ -150,8 +150,16 @@ impl Thickness {
             save(integrals, largest)?;
             format!("white is a line integral of {}", terminal::short(largest))
         } else {
-            save(map.radiograph(scene), 1.0)?;
-            "white is full transmission".to_owned()
+            let transmissions = map.radiograph(scene);
+            let least = transmissions.iter().copied().filter(|part| part.is_finite()).fold(1.0, f64::min);
+            save(transmissions, 1.0)?;
+            match is_given("attenuation") && least < BLACK {
+                true => format!(
+                    "white is full transmission; the darkest pixel transmits {}, which is black here. --line-integral shows such parts",
+                    terminal::short(least)
+                ),
+                false => "white is full transmission".to_owned(),
+            }
         };
         if is_given("attenuation") {
             return Ok(white);
@@ -163,6 +171,9 @@ impl Thickness {
         ))
     }
 }
+
+/// The transmission below which a pixel looks black.
+const BLACK: f64 = 1.0 / 256.0;
 
 /// The longest finite path; 1 if there is none.
 fn longest(lengths: &[f64]) -> f64 {

@@ -89,6 +89,13 @@ fn pictures() {
     bench.write("dense.toml", TANK.replace("[medium.water]\n[medium.steel]", media));
     let said = bench.says(&[&["thickness", "dense.toml", "-o", "d.png"], &VIEW[..]].concat());
     assert_eq!(said, "d.png: white is full transmission\n");
+    // 4 of steel: exp(-8)
+    bench.write("black.toml", bench.read("dense.toml").replace("0.3", "2"));
+    let said = bench.says(&[&["thickness", "black.toml", "-o", "b.png"], &VIEW[..]].concat());
+    assert!(
+        said.contains("the darkest pixel transmits 0.000335") && said.contains("--line-integral"),
+        "{said}"
+    );
     assert!(bench.bytes("d.png").starts_with(b"\x89PNG") && bench.bytes("d.png") != bench.bytes("t.png"));
 }
 
