@@ -15,7 +15,7 @@ use crate::subject::{bounds, scene};
 /// Kind, regions, text; size, volume with its half width, area; place; ray; whether it is proved;
 /// picture.
 type Row = (
-    (&'static str, Vec<String>, String),
+    (&'static str, Vec<String>, String, Vec<String>),
     [f64; 4],
     Option<[f64; 3]>,
     Option<[[f64; 3]; 2]>,
@@ -81,7 +81,7 @@ fn row(finding: &Finding, section: Option<PySection>) -> Row {
     let volume = finding.volume.map_or([f64::NAN; 2], |volume| [volume.value, volume.half_width]);
     let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
     (
-        (finding.kind.name(), finding.regions.clone(), finding.text.clone()),
+        (finding.kind.name(), finding.regions.clone(), finding.text.clone(), finding.faces.clone()),
         [or_nan(finding.size), volume[0], volume[1], or_nan(finding.area)],
         finding.at.map(|at| at.to_array()),
         finding.ray.map(|ray| [ray.from.to_array(), ray.to.to_array()]),

@@ -322,11 +322,33 @@ pub struct OnlyArguments {
 }
 
 impl OnlyArguments {
+    /// True if a solid is chosen.
+    pub fn is_one(&self) -> bool {
+        self.solid.is_some()
+    }
+
     /// The model or, if a solid is chosen, a model with this solid as its only region.
     pub fn of(&self, scene: Scene) -> Result<Scene, Failure> {
         match &self.solid {
             Some(name) => Ok(scene.alone(name)?),
             None => Ok(scene),
+        }
+    }
+
+    /// Like [`of`](Self::of), for the second of two models. A model whose only solid has another name, or none, is taken as a
+    /// whole: the part in a mesh file has the name of the file.
+    pub fn of_other(&self, scene: Scene) -> Result<Scene, Failure> {
+        match &self.solid {
+            Some(name)
+                if scene.find_solid(name).is_err() && scene.solids.len() <= 1 && scene.regions.len() == 1 =>
+            {
+                let region = &scene.regions[0].name;
+                crate::terminal::note(&format!(
+                    "note: the second model has no solid `{name}`. Its only solid, `{region}`, is compared instead."
+                ));
+                Ok(scene)
+            }
+            _ => self.of(scene),
         }
     }
 

@@ -236,7 +236,7 @@ fn footer(svg: &mut Svg, element: &LensElement, scale: &Scale) {
     let y = height - MARGIN;
     svg.text("title", [MARGIN, y], Anchor::Start, &element.title, &element.title);
     let facts = format!(
-        "indications as in ISO 10110    scale {}    lengths in {}",
+        "indications as in ISO 10110  \u{b7}  scale {}  \u{b7}  lengths in {}",
         scale.text(),
         element.unit.symbol()
     );

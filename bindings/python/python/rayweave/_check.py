@@ -21,14 +21,14 @@ from rayweave._words import suggesting
 _Array = NDArray[np.float64]
 
 CheckRow: TypeAlias = tuple[
-    tuple[str, list[str], str],
+    tuple[str, list[str], str, list[str]],
     list[float],
     list[float] | None,
     list[list[float]] | None,
     bool,
     "Section | None",
 ]
-"""Kind, regions, text; size, volume with its half width, area; place; ray; whether it is proved; picture."""
+"""Kind, regions, text, faces; size, volume with its half width, area; place; ray; whether it is proved; picture."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class Finding:
     """
 
     kind: str
-    """overlap, outside, hidden, empty, absorbed, mesh, thin, gap or touch."""
+    """overlap, outside, hidden, empty, absorbed, mesh, thin, gap, loose, cavity or touch."""
     regions: tuple[str, ...]
     """The regions involved."""
     text: str
@@ -56,6 +56,8 @@ class Finding:
     """(3,) a point at the fault."""
     ray: _Array
     """(2, 3) the ends of a piece of a ray that shows it."""
+    faces: tuple[str, ...]
+    """The faces at both ends of a wall or gap, such as ``plate.top`` and ``bore.side``."""
     is_proved: bool
     """True if it is proved without rays."""
     section: Section | None = field(repr=False)
@@ -65,7 +67,7 @@ class Finding:
         return None if self.section is None else _core.section_text([self.section], "svg", self.text)
 
 
-_COLUMNS = ("kind", "regions", "text", "size", "volume", "area", "at", "is_proved")
+_COLUMNS = ("kind", "regions", "text", "size", "volume", "area", "at", "faces", "is_proved")
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +115,7 @@ class Check(Tabular):
             "text": np.array(rows["text"], dtype=object),
             **{name: np.array(rows[name], dtype=np.float64) for name in ("size", "volume", "area")},
             "at": np.array(rows["at"], dtype=np.float64).reshape(-1, 3),
+            "faces": np.array([", ".join(names) for names in rows["faces"]], dtype=object),
             "is_proved": np.array(rows["is_proved"], dtype=np.bool_),
         }
         return Rows(columns, {})
@@ -172,9 +175,9 @@ def check(
 
 
 def _finding(row: CheckRow) -> Finding:
-    (kind, regions, text), (size, volume, half_width, area), at, ray, is_proved, section = row
+    (kind, regions, text, faces), (size, volume, half_width, area), at, ray, is_proved, section = row
     place = np.full(3, np.nan) if at is None else np.array(at)
     piece = np.full((2, 3), np.nan) if ray is None else np.array(ray)
     return Finding(
-        kind, tuple(regions), text, size, volume, half_width, area, place, piece, is_proved, section
+        kind, tuple(regions), text, size, volume, half_width, area, place, piece, tuple(faces), is_proved, section
     )

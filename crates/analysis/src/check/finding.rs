@@ -105,6 +105,9 @@ pub struct Finding {
     pub at: Option<Vec3>,
     /// The chord of a ray there.
     pub ray: Option<MeasuredChord>,
+    /// The faces at both ends of a wall or gap, such as `plate.top` and `bore.side`; `a/b` where faces meet at
+    /// an edge. Empty for other findings.
+    pub faces: Vec<String>,
     /// True if the finding is proved without rays.
     pub is_proved: bool,
 }
@@ -118,7 +121,7 @@ impl Finding {
     pub(super) fn new(kind: FindingKind, regions: &[&str], text: String) -> Finding {
         let regions = regions.iter().map(|name| (*name).to_owned()).collect();
         let (size, volume, area, at, ray) = (None, None, None, None, None);
-        Finding { kind, regions, text, size, volume, area, at, ray, is_proved: false }
+        Finding { kind, regions, text, size, volume, area, at, ray, faces: Vec::new(), is_proved: false }
     }
 
     pub(super) fn seen(self, size: f64, chord: MeasuredChord) -> Finding {

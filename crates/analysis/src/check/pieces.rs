@@ -289,13 +289,14 @@ const MAX_PLACES: usize = 20;
 fn listed(
     kind: FindingKind,
     names: &[&str],
-    places: &[Place],
+    (places, program): (&[Place], &Program),
     one: String,
     more: impl Fn(usize) -> String,
 ) -> Vec<Finding> {
     let mut found: Vec<Finding> = Vec::new();
     for place in places.iter().take(MAX_PLACES) {
-        found.push(Finding::new(kind, names, one.clone()).seen(place.width, place.across.chord));
+        let finding = Finding::new(kind, names, one.clone()).seen(place.width, place.across.chord);
+        found.push(Finding { faces: place.face_names(program), ..finding });
     }
     let rest = places.len().saturating_sub(MAX_PLACES);
     if rest > 0 {
@@ -351,7 +352,13 @@ fn walls<E: Evaluator>(
             1 => format!("{name} has 1 more thin wall"),
             _ => format!("{name} has {rest} more thin walls"),
         };
-        found.extend(listed(FindingKind::Thin, &[name], &distinct(places), format!("{name} is thin"), more));
+        found.extend(listed(
+            FindingKind::Thin,
+            &[name],
+            (&distinct(places), evaluator.program()),
+            format!("{name} is thin"),
+            more,
+        ));
     }
     found
 }
@@ -408,7 +415,7 @@ fn gaps<E: Evaluator>(
             1 => format!("{regions} {have} 1 more narrow gap"),
             _ => format!("{regions} {have} {rest} more narrow gaps"),
         };
-        found.extend(listed(FindingKind::Gap, names, &distinct(places), one, more));
+        found.extend(listed(FindingKind::Gap, names, (&distinct(places), evaluator.program()), one, more));
     }
     found
 }

@@ -4,7 +4,7 @@ use super::facing::Facing;
 use super::narrow::MANY_FACETS;
 use crate::measure::MeasuredChord;
 use crate::survey::{Across, Faces};
-use rayweave_model::{LeafId, PlacementId};
+use rayweave_model::{LeafId, PlacementId, Program};
 
 /// A face of a leaf; those of meshes and of solids with many sides are one.
 type Face = (LeafId, PlacementId, u32);
@@ -42,6 +42,17 @@ impl Place {
             own
         });
         Place { width: facing.across.chord.length(), across: facing.across, faces }
+    }
+
+    /// The names of the faces at each end; several meet at an edge or corner. Empty if they are unknown.
+    pub fn face_names(&self, program: &Program) -> Vec<String> {
+        let name = |&(leaf, _, facet): &Face| match facet < MANY_FACETS {
+            true => program.face_name(program.face_number(leaf, facet)),
+            false => program.leaf(leaf).name().into_owned(),
+        };
+        let names = |faces: &Vec<Face>| faces.iter().map(name).collect::<Vec<_>>().join("/");
+        let ends: Vec<String> = self.faces.iter().map(names).collect();
+        if ends.iter().any(String::is_empty) { Vec::new() } else { ends }
     }
 
     /// The same place with another chord, perpendicular to both faces.

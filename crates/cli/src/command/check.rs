@@ -454,6 +454,9 @@ fn facts(finding: &Finding, unit: &str) -> String {
     );
     facts.extend(finding.volume.map(|volume| format!("volume {} {unit}^3", interval::text(&volume))));
     facts.extend(finding.area.map(|area| format!("area about {} {unit}^2", terminal::short3(area))));
+    if let [from, to] = &finding.faces[..] {
+        facts.push(format!("between {from} and {to}"));
+    }
     // a point of the piece or cavity, which the ray passes through
     let has_point = matches!(finding.kind, FindingKind::Loose | FindingKind::Cavity) && finding.ray.is_some();
     facts.extend(finding.at.filter(|_| has_point).map(|at| format!("at {}", point(at))));
@@ -475,6 +478,7 @@ fn finding_json(finding: &Finding) -> Value {
         "area": finding.area,
         "at": finding.at.map(|at| at.to_array()),
         "ray": finding.ray.map(|ray| [ray.from.to_array(), ray.to.to_array()]),
+        "faces": finding.faces,
         "is_proved": finding.is_proved,
     })
 }

@@ -26,7 +26,8 @@ Exit codes:
 ///
 /// Rays search for parts that belong to one model only. Differences thinner than a distance (by default the size of rounding
 /// errors) are ignored; thickness is measured perpendicular to the surface. Several regions are compared by name. Lengths of the
-/// second model are converted to the unit of the first. -D sets parameters of the first model only; the second one keeps its values.
+/// second model are converted to the unit of the first. With --solid, a second model with a single solid, such as an STL file, is
+/// compared as a whole, whatever the name of its solid. -D sets parameters of the first model only; the second one keeps its values.
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Diff {
@@ -119,7 +120,7 @@ impl Diff {
         self.out.as_deref().map_or(Ok(()), drawing::check)?;
         let (format, unit) = (self.other_format.as_deref(), self.other_unit.as_deref());
         let (a, b) = (self.model.load()?, self.model.load_other(&self.other, format, unit)?);
-        let (a, b) = (self.only.of(a)?, self.only.of(b)?);
+        let (a, b) = (self.only.of(a)?, self.only.of_other(b)?);
         let settings = self.settings(global)?;
         let bar = Sampling::new(settings.measure.precision, global.quiet);
         let mut progress = |now: DiffProgress| bar.show_pair(now.rays, now.precision, [now.done, now.pairs]);

@@ -1,6 +1,6 @@
 //! `rayweave info`: the contents of a model.
 
-use crate::arguments::{ModelArguments, lens_or_model_help};
+use crate::arguments::{ModelArguments, OnlyArguments, lens_or_model_help};
 use crate::command::tree;
 use crate::failure::Failure;
 use crate::lens_data::{LensData, prescription_json, prescription_text};
@@ -27,6 +27,9 @@ use std::collections::HashSet;
 pub struct Info {
     #[command(flatten)]
     model: ModelArguments,
+
+    #[command(flatten)]
+    only: OnlyArguments,
 
     /// Print JSON, with a list of all leaves
     #[arg(long)]
@@ -68,6 +71,7 @@ impl Info {
             }
             (scene, _) => scene?,
         };
+        let scene = self.only.of(scene)?;
         let compiled = Compiled::new(&scene)?;
         let preparations = match self.explain {
             true => Preparation::of_regions(&scene.model_regions()).map_err(rayweave::Error::from)?,
@@ -99,6 +103,10 @@ impl Info {
     fn lens(&self) -> Result<(), Failure> {
         if self.explain {
             let problem = "--explain: a lens file is a list of surfaces, not a tree of solids.";
+            return Err(Failure::Usage(format!("{problem} Leave the option out.")));
+        }
+        if self.only.is_one() {
+            let problem = "--solid: a lens file is a list of surfaces, without named solids.";
             return Err(Failure::Usage(format!("{problem} Leave the option out.")));
         }
         let lens = lens_file::read(&self.model)?;

@@ -44,7 +44,7 @@ pub struct Render {
     view: Option<String>,
 
     /// Make --view sheet a technical drawing to a standard scale: visible edges, centre lines, overall sizes, diameters of holes and shafts, depths, circles of holes. The size is in units of 1/96 inch [default: A4, 1123x794]
-    #[arg(long, requires = "view", conflicts_with_all = ["legend", "cut", "explode", "kind", "range"])]
+    #[arg(long, requires = "view", conflicts_with_all = ["legend", "explode", "kind", "range"])]
     dimensions: bool,
 
     /// Arrangement of the views of --dimensions: `first` places the view from above below that from the front, as in Europe, `third` above it
@@ -121,6 +121,12 @@ const STYLES: [(&str, Style); 3] =
 impl Render {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let out = self.out()?;
+        if self.dimensions && self.cut.is_some() {
+            let problem = "--dimensions: a technical drawing shows the whole model, without --cut.";
+            let advice = "`rayweave section MODEL --plane x=0 --hatch --dimensions -o section.svg` draws a section with dimensions; \
+                          --view sheet with --cut, without --dimensions, draws views that are cut.";
+            return Err(Failure::Usage(format!("{problem} {advice}")));
+        }
         let scene = self.scene(true)?;
         let compiled = Compiled::new(&scene)?;
         if self.dimensions {

@@ -39,7 +39,8 @@ fn pictures_of_walls_have_dimensions() {
         "wall.toml",
         "rayweave = 1\n[solid.wall]\nbox = { size = [0.5, 9, 9] }\ntransform = [{ rotate_x = 35 }, { rotate_y = 20 }, { rotate_z = 10 }]\n",
     );
-    bench.says(&["check", "wall.toml", "--wall", "1", "--cells", "32", "--pictures", "found"]);
+    let said = bench.says(&["check", "wall.toml", "--wall", "1", "--cells", "32", "--pictures", "found"]);
+    assert!(said.contains("0.5 mm thick, between wall.x- and wall.x+, ray from"), "{said}");
     let picture = bench.read("found/1-thin.svg");
     assert!(picture.contains(">0.5 mm</text>") && picture.contains(r#"class="thickness""#), "{picture}");
 }

@@ -44,6 +44,23 @@ fn one_solid_of_each_model_is_compared() {
             "{solid}"
         );
     }
+    // a mesh file has one part, whose name is that of the file
+    assert_eq!(bench.run(&["convert", "a.toml", "rod.stl", "--solid", "rod", "--tolerance", "1e-3"]).code, 0);
+    for (solid, code) in [("rod", 0), ("ball", 1)] {
+        let run = bench.run(&[
+            "diff",
+            "a.toml",
+            "rod.stl",
+            "--solid",
+            solid,
+            "--cells",
+            "16",
+            "--distance",
+            "2e-3",
+        ]);
+        assert_eq!(run.code, code, "{} {}", run.out, run.err);
+        assert_eq!(run.err.contains("Its only solid, `rod`, is compared"), solid == "ball", "{}", run.err);
+    }
     bench.write("c.toml", text(0.5).replace("rod", "bar"));
     let run = bench.run(&["diff", "a.toml", "c.toml", "--solid", "rod"]);
     assert!(run.code == 2 && run.err.contains("the names are ball, bar, part"), "{}", run.err);

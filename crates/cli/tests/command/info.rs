@@ -67,6 +67,11 @@ plate = union of 2
     assert!(text.contains(tree), "{text}");
     assert!(text.starts_with("tree.toml: 1 region, 4 solids, 1 medium, lengths in mm\n"), "{text}");
     assert!(text.contains("\nbounds           (-2, -2, -0.5) to (2, 2, 5.5)\n"), "{text}");
+    let post = bench.says(&["info", "tree.toml", "--solid", "post"]);
+    assert!(post.contains("post = (intersection of 2).translate(0, 0, 5)"), "{post}");
+    assert!(post.contains("\nbounds           (-0.5, -0.5, 4.5) to (0.5, 0.5, 5.5)\n"), "{post}");
+    let wrong = bench.fails(2, &["info", "tree.toml", "--solid", "pots"]);
+    assert!(wrong.contains("Did you mean `post`?"), "{wrong}");
     let cut = bench.says(&["info", "tree.toml", "--depth", "1"]);
     assert!(cut.contains("difference (--depth N shows more)"), "{cut}");
     let short = bench.says(&["info", "tree.toml", "--lines", "2"]);

@@ -191,7 +191,8 @@ fn technical_drawings() {
     assert!(bench.bytes("plate.pdf").starts_with(b"%PDF-"));
     let without = bench.fails(2, &["render", "plate.toml", "--view", "top", "--dimensions", "-o", "p.png"]);
     assert!(without.contains("Add --view sheet."), "{without}");
-    bench.fails(2, &[&draw[..], &["--cut", "x>0", "-o", "p.svg"]].concat());
+    let cut = bench.fails(2, &[&draw[..], &["--cut", "x>0", "-o", "p.svg"]].concat());
+    assert!(cut.contains("rayweave section MODEL --plane x=0 --hatch --dimensions"), "{cut}");
 }
 
 #[test]

@@ -10,9 +10,9 @@ fn wrong_command_lines() {
     assert!(bench.fails(2, &["info"]).contains("<MODEL>"));
     assert!(bench.fails(2, &["info", "ball.toml", "--jsn"]).contains("'--json'"));
     // a file name that begins with two hyphens is not what was meant
-    let unknown = bench.fails(2, &["info", "ball.toml", "--solid", "left"]);
+    let unknown = bench.fails(2, &["info", "ball.toml", "--region", "left"]);
     assert!(
-        unknown.contains("unexpected argument '--solid' found") && !unknown.contains("as a value"),
+        unknown.contains("unexpected argument '--region' found") && !unknown.contains("as a value"),
         "{unknown}"
     );
     assert!(bench.fails(2, &["info", "-x.toml"]).contains("'-- -x'"));

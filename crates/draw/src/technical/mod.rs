@@ -118,7 +118,8 @@ pub fn technical_drawing<E: Evaluator>(
     }
     if !extent.is_exact {
         notes.push(
-            "the overall sizes were found by rays: a part thinner than 1/64 of the model may reach beyond them."
+            "the overall sizes were found by rays, which may miss a part thinner than 1/64 of the model. If it has a thin part at its \
+             outside, compare them with its bounds (rayweave info, Model.bounds), which contain all of it."
                 .to_owned(),
         );
     }
@@ -307,8 +308,11 @@ impl Drawing<'_> {
         let frame = format!("M{MARGIN} {:.2}H{:.2}", y - TITLE + 10.0, width - MARGIN);
         self.svg.path("dimension", frame, "");
         self.svg.text("title", [MARGIN, y], Anchor::Start, title, title);
-        let facts =
-            format!("scale {}    lengths in {}    {projection}", self.scale.text(), self.sheet.unit.symbol());
+        let facts = format!(
+            "scale {}  \u{b7}  lengths in {}  \u{b7}  {projection}",
+            self.scale.text(),
+            self.sheet.unit.symbol()
+        );
         self.svg.text("name", [width - MARGIN - 58.0, y], Anchor::End, &facts, &facts);
         symbol(&mut self.svg, [width - MARGIN - 24.0, y - 5.0], projection);
     }
