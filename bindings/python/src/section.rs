@@ -72,6 +72,17 @@ impl PySection {
         self.section.tolerance
     }
 
+    /// True if the plane lies in a plane face of a shape of the model. The section then shows the material on the side of larger
+    /// coordinates: that of the box from z = -1 to 1 is full at -1 and empty at 1. A plane slightly beside it leaves no choice.
+    ///
+    /// >>> import rayweave as rw
+    /// >>> rw.section(rw.box(2), "z=1")
+    /// <Section z = 1 in a face, on its +z side, areas in mm^2: nothing>
+    #[getter]
+    fn in_face(&self) -> bool {
+        self.section.in_face
+    }
+
     /// (P,) areas of the parts.
     #[getter]
     fn areas<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
@@ -131,7 +142,12 @@ impl PySection {
         };
         let parts: Vec<String> = self.section.parts.iter().map(part).collect();
         let areas = if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") };
-        format!("<Section {}, areas in {}^2: {areas}>", self.section.plane, self.unit)
+        let plane = self.section.plane;
+        let face = match self.section.in_face {
+            true => format!(" in a face, on its {}", plane.side_in_face()),
+            false => String::new(),
+        };
+        format!("<Section {plane}{face}, areas in {}^2: {areas}>", self.unit)
     }
 
     /// The number of parts.
@@ -182,14 +198,14 @@ impl PySection {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Pickled)> {
-        let CrossSection { plane, parts, lo, hi, tolerance } = self.section.clone();
+        let CrossSection { plane, parts, lo, hi, tolerance, in_face } = self.section.clone();
         let part = |own: SectionPart| {
             let SectionPart { name, colour, area, perimeter, contours } = own;
             (name, [colour.red, colour.green, colour.blue, colour.alpha], [area, perimeter], contours)
         };
         let parts = parts.into_iter().map(part).collect();
         let make = py.import("rayweave._core")?.getattr("section_from_parts")?;
-        Ok((make, (plane.to_numbers(), parts, [lo, hi], tolerance, self.unit.to_owned())))
+        Ok((make, (plane.to_numbers(), parts, [lo, hi], tolerance, self.unit.to_owned(), in_face)))
     }
 
     fn _repr_svg_(&self) -> String {
@@ -197,8 +213,8 @@ impl PySection {
     }
 }
 
-/// The numbers of the plane, the parts, the corners, the tolerance and the unit of a section.
-type Pickled = (Vec<f64>, Vec<PickledPart>, [[f64; 2]; 2], f64, String);
+/// The numbers of the plane, the parts, the corners, the tolerance and the unit of a section, and whether it lies in a face.
+type Pickled = (Vec<f64>, Vec<PickledPart>, [[f64; 2]; 2], f64, String, bool);
 
 /// Name, colour, area and perimeter, and contours of a part.
 type PickledPart = (String, [u8; 4], [f64; 2], Vec<Vec<[f64; 2]>>);
@@ -206,7 +222,7 @@ type PickledPart = (String, [u8; 4], [f64; 2], Vec<Vec<[f64; 2]>>);
 /// A section from its pickled parts.
 #[pyfunction]
 #[pyo3(signature = (
-    plane: "Sequence[float]", parts: "Sequence[Any]", corners: "Sequence[Sequence[float]]", tolerance, unit
+    plane: "Sequence[float]", parts: "Sequence[Any]", corners: "Sequence[Sequence[float]]", tolerance, unit, in_face
 ))]
 pub fn section_from_parts(
     plane: Vec<f64>,
@@ -214,6 +230,7 @@ pub fn section_from_parts(
     corners: [[f64; 2]; 2],
     tolerance: f64,
     unit: &str,
+    in_face: bool,
 ) -> PyResult<PySection> {
     let damaged =
         || bad_value("the pickled object is not a section: it is damaged or comes from a different version.");
@@ -222,7 +239,8 @@ pub fn section_from_parts(
         SectionPart { name, colour: Colour { red, green, blue, alpha }, area, perimeter, contours }
     };
     let (plane, [lo, hi]) = (SectionPlane::from_numbers(&plane).ok_or_else(damaged)?, corners);
-    let section = CrossSection { plane, parts: parts.into_iter().map(part).collect(), lo, hi, tolerance };
+    let section =
+        CrossSection { plane, parts: parts.into_iter().map(part).collect(), lo, hi, tolerance, in_face };
     Ok(PySection::new(section, Unit::parse(unit).ok_or_else(damaged)?.symbol()))
 }
 

@@ -69,7 +69,8 @@ def section(
     Parameters
     ----------
     plane
-        "xy", "xz", "yz", or a position along an axis, such as "z=0.5".
+        "xy", "xz", "yz", or a position along an axis, such as "z=0.5". In a plane that lies in a face, the section shows the
+        material on the side of larger coordinates (`Section.in_face`).
     point, normal
         Instead of `plane`: a point of the plane (the origin), and its normal, of any length.
     at

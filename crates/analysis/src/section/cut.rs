@@ -32,6 +32,11 @@ impl Cut {
         self.origin + self.across * u + self.up * v
     }
 
+    /// The directions of the axes, to the right and up: unit vectors.
+    pub fn axes(&self) -> [Vec3; 2] {
+        [self.across, self.up]
+    }
+
     /// The coordinates of the orthogonal projection of a point.
     pub fn place(&self, point: Vec3) -> [f64; 2] {
         [self.across, self.up].map(|axis| axis.dot(point - self.origin))

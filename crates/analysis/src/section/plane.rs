@@ -3,7 +3,7 @@
 use super::Cut;
 use crate::AnalysisError;
 use rayweave_error::Message;
-use rayweave_math::{UNIT_ROUNDOFF, Vec3};
+use rayweave_math::{PERTURBATION_DIRECTION, UNIT_ROUNDOFF, Vec3};
 use std::fmt;
 use std::str::FromStr;
 
@@ -167,6 +167,17 @@ impl SectionPlane {
             }
         };
         Ok(Cut::new(self.point(), across, up)?)
+    }
+
+    /// The side of the plane whose material a section shows where the plane lies in a face, in words: `+z side`. It is the side into
+    /// which the fixed direction of symbolic perturbation points, as for all rays in a face.
+    pub fn side_in_face(&self) -> String {
+        let is_along = PERTURBATION_DIRECTION.dot(self.normal()) >= 0.0;
+        match (self.form, is_along) {
+            (Form::Axis(axis), _) => format!("+{} side", ["x", "y", "z"][axis]),
+            (Form::Oblique { .. }, true) => "side of its normal".to_owned(),
+            (Form::Oblique { .. }, false) => "side opposite to its normal".to_owned(),
+        }
     }
 
     /// The names of the axes, to the right and up.

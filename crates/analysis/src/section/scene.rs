@@ -2,6 +2,7 @@
 
 use super::{Section, SectionError, SectionPlane, SectionRun, SectionWindow, section_with};
 use crate::AnalysisError;
+use crate::distance::world_surfaces;
 use crate::error::maker;
 use crate::measure::one_medium_each;
 use crate::subject::{clipped, subject};
@@ -10,6 +11,7 @@ use rayweave_math::Bounds;
 use rayweave_model::memory::Growth;
 use rayweave_model::{Evaluator, Program, Region, RegionId};
 use rayweave_scene::{Colour, Scene, SceneRegion};
+use rayweave_shape::surface::{Plane, Surface, delta_of};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -61,6 +63,9 @@ pub struct CrossSection {
     /// The largest distance of contours from the surfaces; the error of an area is at most this times the
     /// perimeter.
     pub tolerance: f64,
+    /// True if the plane lies in a plane face of a shape of the model. The section then shows the material on one side of it:
+    /// [`SectionPlane::side_in_face`].
+    pub in_face: bool,
 }
 
 /// A medium or a region in a plane.
@@ -113,17 +118,34 @@ pub fn cross_sections<E: Evaluator, X: Classified + Send + Sync + 'static>(
     let kinds = Kinds::new(scene, &regions, settings.by);
     let regions = clipped(regions, settings.within)?;
     let program = Arc::new(Program::compile_regions(&one_medium_each(&regions))?);
+    let faces = plane_faces(&program);
     let cutter = Cutter { evaluator: maker(make)(program)?, kinds, settings };
     let mut sections = Vec::with_capacity(planes.len());
     let (mut bytes, mut growth) = (0, Growth::default());
     for plane in planes {
-        let section = cutter.cut(plane)?;
+        let in_face = faces.iter().any(|face| lies_in(plane, face));
+        let section = CrossSection { in_face, ..cutter.cut(plane)? };
         bytes += section.size();
         growth.check(bytes).map_err(SectionError::from)?;
         sections.push(section);
         progress(sections.len());
     }
     Ok(sections)
+}
+
+/// The planes of the faces of a program.
+fn plane_faces(program: &Program) -> Vec<Plane> {
+    let surfaces = world_surfaces(program).unwrap_or_default().into_iter();
+    let plane = |surface| if let Surface::Plane(plane) = surface { Some(plane) } else { None };
+    surfaces.filter_map(plane).collect()
+}
+
+/// True if the planes are equal up to rounding.
+fn lies_in(plane: &SectionPlane, face: &Plane) -> bool {
+    let (point, normal) = (plane.point(), plane.normal());
+    let is_parallel = face.normal.cross(normal).length() <= delta_of(1.0);
+    is_parallel
+        && (face.normal.dot(point) - face.offset).abs() <= delta_of(point.length() + face.offset.abs())
 }
 
 /// The mapping of regions to parts.
@@ -196,6 +218,7 @@ impl<E: Evaluator> Cutter<'_, E> {
                 lo: [0.0; 2],
                 hi: [1.0; 2],
                 tolerance,
+                in_face: false,
             });
         }
         if !lo.iter().chain(&hi).all(|end| end.is_finite()) {
@@ -221,7 +244,7 @@ impl<E: Evaluator> Cutter<'_, E> {
         };
         let found = section_with(&self.evaluator, &cut, &window, &self.settings.run)?;
         let found = found.renumbered(|region| self.kinds.number(region)).simplified(0.5 * tolerance);
-        Ok(CrossSection { plane: *plane, parts: self.parts(&found), lo, hi, tolerance })
+        Ok(CrossSection { plane: *plane, parts: self.parts(&found), lo, hi, tolerance, in_face: false })
     }
 
     fn parts(&self, found: &Section) -> Vec<SectionPart> {

@@ -38,6 +38,41 @@ fn check(section: &CrossSection, name: &str, area: f64, perimeter: f64, holes: u
     assert_eq!(part.contours.iter().filter(|contour| signed(contour) < 0.0).count(), holes);
 }
 
+/// A plane in a face shows the side into which the perturbation points, also at any angle, and is recognised.
+#[test]
+fn planes_in_faces_show_one_side() {
+    let turned = "[solid.cube]\nbox = { size = 2 }\ntransform = [{ rotate_x = 31 }, { rotate_z = 40 }, { translate = [7, -3, 90] }]";
+    let scene = scene(turned);
+    let map = |p: Vec3| {
+        let ((sx, cx), (sz, cz)) =
+            (rayweave_math::sin_cos_degrees(31.0), rayweave_math::sin_cos_degrees(40.0));
+        let p = Vec3::new(p.x, cx * p.y - sx * p.z, sx * p.y + cx * p.z);
+        Vec3::new(cz * p.x - sz * p.y, sz * p.x + cz * p.y, p.z)
+    };
+    for axis in Vec3::AXES {
+        let normal = map(axis);
+        let mut areas = Vec::new();
+        for sign in [1.0, -1.0] {
+            let point = Vec3::new(7.0, -3.0, 90.0) + sign * normal;
+            let plane = SectionPlane::new(point, normal).unwrap();
+            let section = cut_by(&scene, plane, &SectionSettings::default());
+            assert!(section.in_face, "{plane}");
+            let is_inside = (sign < 0.0) == (plane.side_in_face() == "side of its normal");
+            let area: f64 = section.parts.iter().map(|part| part.area).sum();
+            assert!((area - if is_inside { 4.0 } else { 0.0 }).abs() < 1e-2, "{plane}: {area}");
+            areas.push(area);
+            let beside = SectionPlane::new(point + 1e-9 * normal, normal).unwrap();
+            assert!(!cut_by(&scene, beside, &SectionSettings::default()).in_face);
+        }
+        assert!((areas[0] + areas[1] - 4.0).abs() < 1e-2, "{areas:?}");
+    }
+    let straight = "[solid.cube]\nbox = { size = 2 }";
+    let (above, below) = (cut(straight, "z=1"), cut(straight, "z=-1"));
+    assert!(above.in_face && above.parts.is_empty() && above.plane.side_in_face() == "+z side");
+    assert!(below.in_face && (below.parts[0].area - 4.0).abs() < 1e-2);
+    assert!(!cut(straight, "z=0.5").in_face);
+}
+
 #[test]
 fn circle_and_annuli() {
     let ball = cut("[solid.ball]\nsphere = { radius = 5 }", "z=3");

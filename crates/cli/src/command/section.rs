@@ -101,6 +101,20 @@ pub fn plane(text: &str) -> Result<SectionPlane, String> {
     text.parse::<SectionPlane>().map_err(|error| error.to_string())
 }
 
+/// Prints a note if planes lie in faces of the model.
+fn note_faces(found: &[CrossSection]) {
+    let mut in_faces = found.iter().filter(|section| section.in_face).map(|section| section.plane);
+    let Some(first) = in_faces.next() else { return };
+    let planes = match in_faces.count() {
+        0 => format!("the plane {first} lies in a face"),
+        others => format!("the plane {first} and {others} more lie in faces"),
+    };
+    terminal::note(&format!(
+        "note: {planes} of the model: the section shows the material on its {}. A plane slightly beside it leaves no choice.",
+        first.side_in_face()
+    ));
+}
+
 impl Section {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         self.out.iter().try_for_each(|path| check(path))?;
@@ -117,6 +131,7 @@ impl Section {
         let found = cross_sections(&scene, solid, make, &planes, &settings, &mut progress);
         bar.finish_and_clear();
         let found = found?;
+        note_faces(&found);
         self.reject_missed_planes(&scene, &found)?;
         let edges = self.edges_beyond(&scene, &found, global)?;
         self.out.iter().try_for_each(|path| self.save(path, (&found, &edges), scene.unit.symbol()))?;
@@ -279,6 +294,7 @@ fn section_json(section: &CrossSection) -> Value {
         "offset": section.plane.offset(),
         "axes": section.plane.axis_names(),
         "tolerance": section.tolerance,
+        "in_face": section.in_face,
         "parts": parts.collect::<Vec<_>>(),
     })
 }

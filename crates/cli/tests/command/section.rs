@@ -148,3 +148,24 @@ fn edges_behind_the_plane_are_drawn() {
     let svg = bench.read("dome.svg");
     assert!(svg.contains(">18</text>") && svg.contains(">8</text>"), "{svg}");
 }
+
+#[test]
+fn planes_in_faces_are_noted() {
+    let bench = Bench::new();
+    bench.write("cube.toml", "rayweave = 1\n[solid.cube]\nbox = { size = 2 }");
+    let run = bench.run(&["section", "cube.toml", "--plane", "z=-1"]);
+    let note =
+        "note: the plane z = -1 lies in a face of the model: the section shows the material on its +z side.";
+    assert!(
+        run.code == 0 && run.err.starts_with(note) && run.out.contains("  4  "),
+        "{} {}",
+        run.out,
+        run.err
+    );
+    let above = bench.fails(3, &["section", "cube.toml", "--plane", "z=1"]);
+    assert!(
+        above.contains("the plane z = 1 lies in a face") && above.contains("does not intersect"),
+        "{above}"
+    );
+    assert_eq!(bench.run(&["section", "cube.toml", "--plane", "z=0"]).err, "");
+}

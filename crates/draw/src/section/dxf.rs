@@ -163,7 +163,8 @@ mod tests {
         let square = vec![[0.0, 0.0], [2.5, 0.0], [2.5, 2.0], [0.0, 2.0]];
         let plane = "z=1.5".parse().unwrap();
         let parts = vec![part("Glas, grün", vec![square]), part("glas__gr_n", vec![vec![[0.0, 0.0]; 3]; 2])];
-        let section = CrossSection { plane, parts, lo: [0.0; 2], hi: [1.0; 2], tolerance: 0.1 };
+        let section =
+            CrossSection { plane, parts, lo: [0.0; 2], hi: [1.0; 2], tolerance: 0.1, in_face: false };
         let text = section_dxf(&[section], "mm");
         let all = pairs(&text);
         let values = |code: u32| -> Vec<&str> { all.iter().filter(|p| p.0 == code).map(|p| p.1).collect() };

@@ -5,7 +5,7 @@ use crate::dimension;
 use crate::legend::{self, Entry, Swatch};
 use crate::plan::Plan;
 use crate::svg::{Anchor, Svg};
-use rayweave_analysis::section::{CrossSection, SectionPart};
+use rayweave_analysis::section::{CrossSection, SectionPart, SectionPlane};
 use rayweave_math::Vec3;
 use rayweave_scene::Colour;
 
@@ -142,12 +142,34 @@ fn drawing(
     let bottom = grid.bottom(plans.last().map_or(top, |plan| plan.bottom)) + space;
     let plan = Plan::new(lo, hi, grid.frame(0));
     if let Some(first) = sections.first() {
-        Plan::axes(&mut svg, [MARGIN + 4.0, bottom + BAR - 4.0], first.plane.axis_names());
+        let corner = [MARGIN + 4.0, bottom + BAR - 4.0];
+        Plan::axes(&mut svg, corner, first.plane.axis_names());
+        for (k, text) in directions(&first.plane).iter().enumerate() {
+            svg.text(
+                "tick",
+                [corner[0] + 56.0, corner[1] - 10.0 + 14.0 * k as f64],
+                Anchor::Start,
+                text,
+                text,
+            );
+        }
     }
     plan.scale_bar(&mut svg, [WIDTH - MARGIN, bottom + BAR - 4.0], grid.width, unit);
     let height = legend::draw(&mut svg, &entries(sections, visible), bottom + BAR + ROW, WIDTH);
     let description = format!("Cross-sections, each medium in its own colour: {note}.");
     svg.finish([WIDTH, height], title, &description, &[STYLE, dimension::STYLE].concat())
+}
+
+/// The directions of the axes of an oblique plane: `u = (0.8, 0, 0.6)`. Those of other planes have the names of the axes of space.
+fn directions(plane: &SectionPlane) -> Vec<String> {
+    let Ok(cut) = plane.cut() else { return Vec::new() };
+    let is_named = |name: &str| ["x", "y", "z"].contains(&name);
+    let axes = plane.axis_names().into_iter().zip(cut.axes());
+    let text = |(name, axis): (&str, Vec3)| {
+        let [x, y, z] = axis.to_array().map(|x| rayweave_math::format_to_resolution(x, 1e-4));
+        format!("{name} = ({x}, {y}, {z})")
+    };
+    axes.filter(|(name, _)| !is_named(name)).map(text).collect()
 }
 
 fn chosen(sections: &[CrossSection]) -> Vec<&CrossSection> {
@@ -287,6 +309,14 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn axes_of_oblique_planes_have_directions() {
+        let plane = SectionPlane::new(Vec3::new(5.0, 0.0, 1e4), Vec3::new(3.0, 0.0, -4.0)).unwrap();
+        // z x (0.6, 0, -0.8) = (0, 0.6, 0)
+        assert_eq!(directions(&plane), ["u = (0, 1, 0)", "v = (0.8, 0, 0.6)"]);
+        assert_eq!(directions(&"x=3".parse().unwrap()), [""; 0]);
+    }
 
     #[test]
     fn long_titles_are_divided() {
