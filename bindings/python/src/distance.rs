@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 use rayweave::Vec3;
 use rayweave::distance::{DistanceField, DistanceRun, DistanceSettings};
+use rayweave::model::RegionId;
 use rayweave::model::drive::Cancel;
 
 use crate::engine::{BLOCK, Engine, thread_argument};
@@ -13,10 +14,11 @@ use crate::error::bad_value;
 use crate::interrupt::interruptible;
 use crate::rays::{Columns, Vectors, invalid_input};
 
-/// The distances of points from the boundary, as `rayweave.Distances`.
+/// The distances of points from the boundary, as `rayweave.Distances`: that of the selected regions, or of all without a selection.
 pub fn distance<'py>(
     engine: &Engine,
     points: &Bound<'py, PyAny>,
+    regions: Option<&[bool]>,
     precision: f64,
     threads: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
@@ -26,7 +28,14 @@ pub fn distance<'py>(
     let places = checked(points)?;
     let cancel = Cancel::new();
     let found = interruptible(py, &cancel, || {
-        let field = DistanceField::new(&engine.program, settings)?;
+        let field = match regions {
+            None => DistanceField::new(&engine.program, settings)?,
+            Some(selected) => {
+                let is_selected =
+                    |region: RegionId| region.index().checked_sub(1).is_some_and(|k| selected[k]);
+                DistanceField::of_regions(&engine.program, &is_selected, settings)?
+            }
+        };
         let run = DistanceRun { threads, cancel: cancel.clone() };
         field.distances(&places, &run)
     })?;

@@ -23,7 +23,7 @@ use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
 use crate::save::{format_of, save_scene};
 use crate::solid::{PySolid, bounds_array};
-use crate::to_mesh::to_mesh;
+use crate::to_mesh::{to_mesh, to_meshes};
 use crate::{along, crossings, distance, hits, nearest, occurrences, pickle, points};
 
 /// A model: an ordered list of regions, each a solid made of a medium. It never changes.
@@ -111,6 +111,38 @@ impl PyModel {
     }
 
     /// The document of the current state of the model.
+    /// The message about a name that no region has.
+    fn no_region(&self, name: &str) -> Message {
+        let message =
+            Message::unknown("region", name, self.scene.regions.iter().map(|region| region.name.as_str()));
+        let medium = self.scene.media.iter().position(|medium| medium.name == name);
+        let of_medium = |region: &&SceneRegion| Some(region.medium as usize) == medium;
+        match self.scene.regions.iter().find(of_medium) {
+            Some(region) => {
+                message.suggest(format!("`{name}` is the medium of the region `{}`.", region.name))
+            }
+            None => message,
+        }
+    }
+
+    /// For each region whether its name is the given one, or among the given ones.
+    fn selected(&self, names: &Bound<'_, PyAny>) -> PyResult<Vec<bool>> {
+        let names: Vec<String> = match names.cast::<PyString>() {
+            Ok(name) => vec![name.to_str()?.to_owned()],
+            Err(_) => names.extract().map_err(|_| {
+                bad_type(format!(
+                    "regions is {}: it must be the name of a region or a list of names.",
+                    shown(names)
+                ))
+            })?,
+        };
+        let is_known = |name: &str| self.scene.regions.iter().any(|region| region.name == name);
+        match names.iter().find(|name| !is_known(name)) {
+            Some(name) => Err(bad_value(self.no_region(name))),
+            None => Ok(self.scene.regions.iter().map(|region| names.contains(&region.name)).collect()),
+        }
+    }
+
     fn current_document(&self) -> Document {
         self.current_statement().cloned().unwrap_or_else(|| Document::from_scene(&self.scene))
     }
@@ -559,14 +591,60 @@ impl PyModel {
     }
 
     /// Signed distances of points from the surface between the medium of the world and all others: see `Solid.distance`.
-    #[pyo3(signature = (points: "ArrayLike", *, precision = 1e-9, threads: "int | None" = None) -> "Distances")]
+    /// `regions` is the name of a region, or several names: the distances are then those from the space that belongs to these
+    /// regions, including their borders with other regions.
+    ///
+    /// >>> import rayweave as rw
+    /// >>> model = rw.Model({"shell": rw.sphere(2), "core": rw.sphere(1)})
+    /// >>> model.distance([0, 0, 1.25], regions="core").distance
+    /// array([0.25])
+    #[pyo3(signature = (
+        points: "ArrayLike", *, regions: "str | Sequence[str] | None" = None, precision = 1e-9, threads: "int | None" = None
+    ) -> "Distances")]
     fn distance<'py>(
         &self,
         points: &Bound<'py, PyAny>,
+        regions: Option<&Bound<'py, PyAny>>,
         precision: f64,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        distance::distance(self.engine(points.py())?, points, precision, threads)
+        let py = points.py();
+        match regions.map(|names| self.selected(names)).transpose()? {
+            None => distance::distance(self.engine(py)?, points, None, precision, threads),
+            Some(selected) => {
+                let engine = self.engine_by(py, "region")?;
+                distance::distance(engine, points, Some(&selected), precision, threads)
+            }
+        }
+    }
+
+    /// The solid of the space that belongs to a region, given by its name or its position in the list of regions: that of the
+    /// region minus those of all later regions, which have priority.
+    ///
+    /// >>> import rayweave as rw
+    /// >>> model = rw.Model({"post": rw.box([1, 1, 4]), "plate": rw.box([4, 4, 1])})
+    /// >>> model["post"].solid.volume, model.solid_of("post").volume
+    /// (4.0, 3.0)
+    #[pyo3(signature = (region: "str | int") -> "Solid")]
+    fn solid_of<'py>(&self, py: Python<'py>, region: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let regions = self.regions(py)?;
+        let number = match region.cast::<PyString>() {
+            Ok(name) => {
+                let name = name.to_str()?;
+                let of_name = |own: &SceneRegion| own.name == name;
+                let found = self.scene.regions.iter().position(of_name);
+                found.ok_or_else(|| PyKeyError::new_err(self.no_region(name).to_string()))?
+            }
+            // the error about an index out of range is that of the tuple
+            Err(_) => regions.as_any().get_item(region).and_then(|_| {
+                let index = region.extract::<isize>()?;
+                let count = self.scene.regions.len();
+                Ok(if index < 0 { count.wrapping_add_signed(index) } else { index as usize })
+            })?,
+        };
+        let own = regions.get_item(number)?.getattr("solid")?;
+        let later = regions.get_slice(number + 1, regions.len());
+        later.iter().try_fold(own, |solid, region| solid.sub(region.getattr("solid")?))
     }
 
     /// A box around all regions: float64 (2, 3), the smallest and the largest coordinates.
@@ -595,11 +673,28 @@ impl PyModel {
         save_scene(py, &self.scene, self.current_statement(), &path, format, options)
     }
 
-    /// The surfaces of all regions as triangles: see `rayweave.Mesh`. A face between two regions has triangles of both.
-    /// `tolerance` is the maximum distance from curved faces; default 1/5000 of the diagonal of the model.
-    #[pyo3(signature = (tolerance = None) -> "Mesh")]
-    fn to_mesh<'py>(slf: &Bound<'py, Self>, tolerance: Option<f64>) -> PyResult<Bound<'py, PyAny>> {
-        to_mesh(slf.as_any(), tolerance)
+    /// The surfaces of all regions as triangles: see `rayweave.Mesh`. A face between two regions has triangles of both, so that
+    /// `Mesh.describe` reports overlapping pairs and edges with more than two triangles; the mesh of each region has none.
+    /// `tolerance` is the maximum distance from curved faces; default 1/5000 of the diagonal of the model. With `by="region"` the
+    /// result is a dict with a mesh for each region, by its name.
+    ///
+    /// >>> import rayweave as rw
+    /// >>> model = rw.Model({"post": rw.box([1, 1, 4]), "plate": rw.box([4, 4, 1])})
+    /// >>> {name: mesh.volume for name, mesh in model.to_mesh(by="region").items()}
+    /// {'post': 3.0, 'plate': 16.0}
+    #[pyo3(signature = (tolerance = None, *, by: "Literal['region'] | None" = None))]
+    #[cfg_attr(false, stub("(by: None = None) -> Mesh"))]
+    #[cfg_attr(false, stub("(by: Literal['region']) -> dict[str, Mesh]"))]
+    fn to_mesh<'py>(
+        slf: &Bound<'py, Self>,
+        tolerance: Option<f64>,
+        by: Option<&str>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        match by {
+            None => to_mesh(slf.as_any(), tolerance),
+            Some("region") => to_meshes(slf.as_any(), tolerance),
+            Some(by) => Err(bad_value(format!("by is '{by}': it must be 'region' or None."))),
+        }
     }
 
     /// The number of regions.
@@ -625,19 +720,7 @@ impl PyModel {
         let name = name.to_str()?;
         match self.scene.regions.iter().position(|region| region.name == name) {
             Some(number) => self.regions(py)?.get_item(number),
-            None => {
-                let names = self.scene.regions.iter().map(|region| region.name.as_str());
-                let message = Message::unknown("region", name, names);
-                let medium = self.scene.media.iter().position(|medium| medium.name == name);
-                let of_medium = |region: &&SceneRegion| Some(region.medium as usize) == medium;
-                let message = match self.scene.regions.iter().find(of_medium) {
-                    Some(region) => {
-                        message.suggest(format!("`{name}` is the medium of the region `{}`.", region.name))
-                    }
-                    None => message,
-                };
-                Err(PyKeyError::new_err(message.to_string()))
-            }
+            None => Err(PyKeyError::new_err(self.no_region(name).to_string())),
         }
     }
 

@@ -396,7 +396,7 @@ impl PySolid {
         precision: f64,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        distance::distance(self.engine(points.py())?, points, precision, threads)
+        distance::distance(self.engine(points.py())?, points, None, precision, threads)
     }
 
     /// A box around the solid: float64 (2, 3), the smallest and the largest coordinates. The box

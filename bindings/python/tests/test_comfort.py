@@ -2,6 +2,7 @@
 
 import inspect
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -209,6 +210,37 @@ def test_convert_takes_solids_and_models(tmp_path, model):
     for k, subject in enumerate([rw.sphere(1), model, [rw.sphere(1), rw.box(3)]]):
         rw.convert(subject, tmp_path / f"{k}.stl", tolerance=0.1)
         assert len(rw.load(tmp_path / f"{k}.stl")) == 1
+
+
+def test_the_space_of_a_region():
+    model = rw.Model({"post": rw.box([1, 1, 4]), "plate": rw.box([4, 4, 1]), "pin": rw.box([0.5, 0.5, 9])})
+    for region, volume in (("post", 3 - 0.75), ("plate", 16 - 0.25), ("pin", 2.25), (0, 2.25), (-1, 2.25)):
+        assert model.solid_of(region).volume == pytest.approx(volume, rel=1e-9)
+        assert model.solid_of(region).to_mesh().volume == pytest.approx(volume, rel=1e-9)
+    with pytest.raises(KeyError, match="no region is called `pots`.*Did you mean `post`?"):
+        model.solid_of("pots")
+    with pytest.raises(IndexError):
+        model.solid_of(3)
+
+
+def test_sections_in_faces():
+    above, below, middle = (rw.section(rw.box(2), plane) for plane in ("z=1", "z=-1", "z=0"))
+    assert above.in_face and below.in_face and not middle.in_face
+    assert above.areas.tolist() == [] and below.areas.tolist() == pytest.approx([4])
+    assert "in a face, on its +z side" in repr(below) and "face" not in repr(middle)
+    assert pickle.loads(pickle.dumps(below)).in_face
+
+
+def test_a_mesh_for_each_region():
+    model = rw.Model({"post": rw.box([1, 1, 4]), "plate": rw.box([4, 4, 1])})
+    meshes = model.to_mesh(by="region")
+    assert list(meshes) == ["post", "plate"] and all(mesh.is_closed for mesh in meshes.values())
+    # the plate cuts the post into two pieces of 1.5
+    assert meshes["post"].volume == pytest.approx(3, rel=1e-12) and meshes["post"].shells == 2
+    assert meshes["plate"].volume == pytest.approx(16, rel=1e-12)
+    assert len(model.to_mesh().triangles) == sum(len(mesh.triangles) for mesh in meshes.values())
+    with pytest.raises(rw.RayweaveError, match="by is 'medium': it must be 'region' or None"):
+        model.to_mesh(by="medium")
 
 
 def test_mesh_files_in_numbers(tmp_path):

@@ -76,6 +76,25 @@ def test_models_have_the_boundary_to_the_world():
     np.testing.assert_allclose(found.distance, [-1.5, 1], rtol=1e-12)
 
 
+def test_distances_from_some_regions():
+    # both of the same medium: the surface between them counts for a choice of regions only
+    model = rw.Model([rw.Region("shell", rw.sphere(2), medium="glass"), rw.Region("core", rw.sphere(1), medium="glass")])
+    radii = np.array([0.5, 1.25, 1.75, 2.5])
+    points = np.outer(radii, [0.6, 0, 0.8])
+    shell = np.maximum(radii - 2, 1 - radii)
+    for regions, expected in (("shell", shell), (["core"], radii - 1), (("shell", "core"), radii - 2), (None, radii - 2)):
+        found = model.distance(points, regions=regions)
+        np.testing.assert_allclose(found.distance, expected, rtol=1e-9)
+        assert found.is_exact.all()
+    assert np.isposinf(model.distance([0, 0, 0], regions=[]).distance).all()
+    with pytest.raises(rw.RayweaveError, match="no region is called `cor`: .*Did you mean `core`?"):
+        model.distance(points, regions="cor")
+    with pytest.raises(TypeError, match=r"unexpected keyword argument 'by'.*Did you mean regions=\[...\]"):
+        model.distance(points, by="region")
+    with pytest.raises(TypeError, match="regions is 3: it must be the name of a region or a list of names"):
+        model.distance(points, regions=3)
+
+
 def test_grids_and_tables():
     grid = np.stack(np.meshgrid(*[np.linspace(-2, 2, 4)] * 3), axis=-1)
     found = rw.sphere(1).distance(grid)

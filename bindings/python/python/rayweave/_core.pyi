@@ -447,9 +447,32 @@ class Model:
         """
 
     def distance(
-        self, points: ArrayLike, *, precision: float = 1e-9, threads: int | None = None
+        self,
+        points: ArrayLike,
+        *,
+        regions: str | Sequence[str] | None = None,
+        precision: float = 1e-9,
+        threads: int | None = None,
     ) -> Distances:
-        """Signed distances of points from the surface between the medium of the world and all others: see `Solid.distance`."""
+        """Signed distances of points from the surface between the medium of the world and all others: see `Solid.distance`.
+        `regions` is the name of a region, or several names: the distances are then those from the space that belongs to these
+        regions, including their borders with other regions.
+
+        >>> import rayweave as rw
+        >>> model = rw.Model({"shell": rw.sphere(2), "core": rw.sphere(1)})
+        >>> model.distance([0, 0, 1.25], regions="core").distance
+        array([0.25])
+        """
+
+    def solid_of(self, region: str | int) -> Solid:
+        """The solid of the space that belongs to a region, given by its name or its position in the list of regions: that of the
+        region minus those of all later regions, which have priority.
+
+        >>> import rayweave as rw
+        >>> model = rw.Model({"post": rw.box([1, 1, 4]), "plate": rw.box([4, 4, 1])})
+        >>> model["post"].solid.volume, model.solid_of("post").volume
+        (4.0, 3.0)
+        """
 
     @property
     def bounds(self) -> NDArray[np.float64]:
@@ -471,10 +494,20 @@ class Model:
         triangles, or triangles that intersect each other) is rejected, unless `allow_unsound` is true.
         """
 
-    def to_mesh(self, tolerance: float | None = None) -> Mesh:
-        """The surfaces of all regions as triangles: see `rayweave.Mesh`. A face between two regions has triangles of both.
-        `tolerance` is the maximum distance from curved faces; default 1/5000 of the diagonal of the model.
+    @overload
+    def to_mesh(self, tolerance: float | None = None, *, by: None = None) -> Mesh:
+        """The surfaces of all regions as triangles: see `rayweave.Mesh`. A face between two regions has triangles of both, so that
+        `Mesh.describe` reports overlapping pairs and edges with more than two triangles; the mesh of each region has none.
+        `tolerance` is the maximum distance from curved faces; default 1/5000 of the diagonal of the model. With `by="region"` the
+        result is a dict with a mesh for each region, by its name.
+
+        >>> import rayweave as rw
+        >>> model = rw.Model({"post": rw.box([1, 1, 4]), "plate": rw.box([4, 4, 1])})
+        >>> {name: mesh.volume for name, mesh in model.to_mesh(by="region").items()}
+        {'post': 3.0, 'plate': 16.0}
         """
+    @overload
+    def to_mesh(self, tolerance: float | None = None, *, by: Literal["region"]) -> dict[str, Mesh]: ...
 
     def __len__(self) -> int:
         """The number of regions."""
@@ -1417,6 +1450,16 @@ class Section:
         """Maximum distance of contours from the surfaces; the error of an area is at most this times the perimeter."""
 
     @property
+    def in_face(self) -> bool:
+        """True if the plane lies in a plane face of a shape of the model. The section then shows the material on the side of larger
+        coordinates: that of the box from z = -1 to 1 is full at -1 and empty at 1. A plane slightly beside it leaves no choice.
+
+        >>> import rayweave as rw
+        >>> rw.section(rw.box(2), "z=1")
+        <Section z = 1 in a face, on its +z side, areas in mm^2: nothing>
+        """
+
+    @property
     def areas(self) -> NDArray[np.float64]:
         """(P,) areas of the parts."""
 
@@ -1470,6 +1513,7 @@ def section_from_parts(
     corners: Sequence[Sequence[float]],
     tolerance: float,
     unit: str,
+    in_face: bool,
 ) -> Section:
     """A section from its pickled parts."""
 

@@ -206,6 +206,14 @@ def mesh_of(subject: Subject, tolerance: float | None) -> Mesh:
     return _joined(_core.mesh_parts(subject, tolerance))
 
 
+def meshes_of(subject: Subject, tolerance: float | None) -> dict[str, Mesh]:
+    """A mesh for each region, by its name; regions of the same name, as in GDML files, share a mesh."""
+    parts: dict[str, list[tuple[str, _Array, NDArray[np.uint32]]]] = {}
+    for part in _core.mesh_parts(subject, tolerance):
+        parts.setdefault(part[0], []).append(part)
+    return {name: _joined(own) for name, own in parts.items()}
+
+
 def _joined(parts: list[tuple[str, _Array, NDArray[np.uint32]]]) -> Mesh:
     vertices = np.concatenate([np.zeros((0, 3)), *(points for _, points, _ in parts)])
     starts = np.cumsum([0, *(len(points) for _, points, _ in parts)])

@@ -29,7 +29,7 @@ class Region:
     name: str
     """Its name."""
     solid: Solid
-    """The space that it occupies, except where a later region has priority."""
+    """The space that it occupies, except where a later region has priority: `Model.solid_of` is the solid without later regions."""
     medium: str = ""
     """The name of its medium; that of the region, if it is empty."""
     colour: str = ""
@@ -64,6 +64,7 @@ Medium.__init__ = suggesting(  # type: ignore[method-assign]
 _QUERIES = ("hits", "crossings", "crossings_along", "nearest", "contains", "distance", "explain", "occurrence_paths", "to_mesh", "save")
 suggest_for(Solid, _QUERIES)
 suggest_for(Model, (*_QUERIES, "partition", "preparation"))
+suggest_for(Model, ("distance",), by="regions=[...], the names of the regions,")
 
 Regions: TypeAlias = Solid | Region | Sequence[Solid | Region] | Mapping[str, Solid | Region]
 """Regions of a model. The keys of a mapping are their names; solids without a name are numbered."""

@@ -2,7 +2,7 @@
 
 use super::tree::Tree;
 use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3};
-use rayweave_model::Program;
+use rayweave_model::{Program, RegionId};
 use rayweave_shape::surface::Surface;
 use std::cell::RefCell;
 
@@ -26,9 +26,9 @@ thread_local! {
 }
 
 impl Field {
-    /// The field of a program; `None` if it has too many placements.
-    pub fn new(program: &Program, precision: f64) -> Option<Field> {
-        let (tree, surfaces) = Tree::of(program)?;
+    /// The field of the selected regions of a program; `None` if it has too many placements.
+    pub fn new(program: &Program, is_selected: &dyn Fn(RegionId) -> bool, precision: f64) -> Option<Field> {
+        let (tree, surfaces) = Tree::of_regions(program, is_selected)?;
         let magnitude = surfaces.iter().map(|(_, magnitude)| *magnitude).fold(0.0, f64::max);
         let surfaces = surfaces.into_iter().map(|(surface, _)| surface).collect();
         Some(Field { tree, surfaces, magnitude, bounds: program.bounds(), precision })

@@ -53,7 +53,7 @@ use field::Field;
 use rayweave_error::Message;
 use rayweave_math::Vec3;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
-use rayweave_model::{BadPoint, Program};
+use rayweave_model::{BadPoint, Program, RegionId};
 use rayweave_shape::surface::Surface;
 use search::Search;
 use std::convert::Infallible;
@@ -133,12 +133,25 @@ impl DistanceField {
     /// # Errors
     /// A precision out of range; a model with more than a million surfaces, placed copies included.
     pub fn new(program: &Program, settings: DistanceSettings) -> Result<DistanceField, AnalysisError> {
+        DistanceField::of_regions(program, &|region| program.medium_of(region) != 0, settings)
+    }
+
+    /// The distances from the part of space that belongs to the selected regions of a program; all other regions count as the world.
+    /// Regions whose borders matter need media of their own, as in a program that is compiled by region.
+    ///
+    /// # Errors
+    /// Those of [`DistanceField::new`].
+    pub fn of_regions(
+        program: &Program,
+        is_selected: &dyn Fn(RegionId) -> bool,
+        settings: DistanceSettings,
+    ) -> Result<DistanceField, AnalysisError> {
         if !(1e-15..=1.0).contains(&settings.precision) {
             let problem = format!("the precision is {}", settings.precision);
             let message = Message::new(problem, "it must be from 1e-15 to 1").suggest("Try 1e-9.");
             return Err(AnalysisError::Value(message));
         }
-        let Some(field) = Field::new(program, settings.precision) else {
+        let Some(field) = Field::new(program, is_selected, settings.precision) else {
             let problem = "the model has more than 1,000,000 surfaces, placed copies included";
             let message = Message::new(problem, "distances are computed for smaller models");
             return Err(AnalysisError::Solid(message.suggest("Select a part of it.")));

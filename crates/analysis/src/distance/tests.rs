@@ -317,13 +317,23 @@ fn placements_and_regions() {
     check(&row, nearest_ball, &points(6, 60, 8.0));
     let region =
         |solid: Solid, medium: u32| rayweave_model::Region { name: medium.to_string(), solid, medium };
-    let regions = [region(ball(2.0), 1), region(ball(1.0), 0)];
-    let program = Program::compile_regions(&regions).unwrap();
-    let field = DistanceField::new(&program, DistanceSettings::default()).unwrap();
+    let compile =
+        |core: u32| Program::compile_regions(&[region(ball(2.0), 1), region(ball(1.0), core)]).unwrap();
+    let settings = DistanceSettings::default();
+    let (hollow, filled) = (compile(0), compile(2));
+    let shell = DistanceField::new(&hollow, settings).unwrap();
+    let first = DistanceField::of_regions(&filled, &|region| region.index() == 1, settings).unwrap();
+    let second = DistanceField::of_regions(&filled, &|region| region.index() == 2, settings).unwrap();
     for point in points(7, 50, 3.0) {
-        let expected = (point.length() - 2.0).max(1.0 - point.length());
-        let found = field.distance(point);
-        assert!(found.is_exact && (found.signed() - expected).abs() < 1e-9, "{point}: {found:?}, {expected}");
+        let radius = point.length();
+        let around = (radius - 2.0).max(1.0 - radius);
+        for (field, expected) in [(&shell, around), (&first, around), (&second, radius - 1.0)] {
+            let found = field.distance(point);
+            assert!(
+                found.is_exact && (found.signed() - expected).abs() < 1e-9,
+                "{point}: {found:?}, {expected}"
+            );
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The boolean expression of a program over signs of surfaces, without groups.
 
 use rayweave_math::{Affine, Transform};
-use rayweave_model::{Edge, Gate, Leaf, LeafId, LeafKind, Program, PrototypeId, Rule, SurfaceId};
+use rayweave_model::{Edge, Gate, Leaf, LeafId, LeafKind, Program, PrototypeId, RegionId, Rule, SurfaceId};
 use rayweave_shape::surface::Surface;
 use std::collections::HashMap;
 
@@ -73,17 +73,25 @@ impl Tree {
         Tree { nodes: vec![(Kind::Nothing, 0)], operands: Vec::new(), output: Link::NONE }
     }
 
-    /// The solids of a program whose medium is not that of the world, and their surfaces in the world's frame. `None` if there
-    /// are too many placements.
+    /// The solids of a program whose medium is not that of the world, as [`of_regions`](Self::of_regions) returns them.
     pub fn of(program: &Program) -> Option<(Tree, Vec<(Surface, f64)>)> {
+        Tree::of_regions(program, &|region| program.medium_of(region) != 0)
+    }
+
+    /// The part of space that belongs to the selected regions, and the surfaces in the world's frame. `None` if there are too many
+    /// placements.
+    pub fn of_regions(
+        program: &Program,
+        is_selected: &dyn Fn(RegionId) -> bool,
+    ) -> Option<(Tree, Vec<(Surface, f64)>)> {
         let mut builder = Builder { program, tree: Tree::empty(), surfaces: Vec::new() };
         let regions = builder.group(PrototypeId(0), None)?;
         let mut whole = Link::NONE;
-        for (&solid, region) in regions.iter().zip(program.regions()) {
+        for (k, &solid) in regions.iter().enumerate() {
             // a later region has priority over all before it
-            whole = match region.medium {
-                0 => builder.tree.join(Rule::AtLeast(2), &[whole, solid.complement_if(true)]),
-                _ => builder.tree.join(Rule::AtLeast(1), &[whole, solid]),
+            whole = match is_selected(RegionId::from(k + 1)) {
+                false => builder.tree.join(Rule::AtLeast(2), &[whole, solid.complement_if(true)]),
+                true => builder.tree.join(Rule::AtLeast(1), &[whole, solid]),
             };
         }
         builder.tree.output = whole;
