@@ -3,9 +3,9 @@
 use crate::terminal;
 use rayweave::photon::{Detector, End, Histories, Hits, PhotonPart, PhotonRun, Process, sequence_text};
 use rayweave::photon_simulator::PhotonShare;
-use rayweave::table::Counts;
+use rayweave::table::{Counts, TextIds};
 use serde_json::{Map, Value, json};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 /// The name that reports use for interfaces without an optical surface.
@@ -35,7 +35,7 @@ pub struct PhotonReport {
     /// The paths of the sensors with their numbers of hits, in the order of the detector.
     sensors: Vec<(String, u64)>,
     /// The places of the paths in that list.
-    places: HashMap<String, usize>,
+    places: TextIds,
 }
 
 impl PhotonReport {
@@ -48,6 +48,10 @@ impl PhotonReport {
         keeps_hits: bool,
     ) -> PhotonReport {
         let sensors = detector.sensor_paths();
+        let mut places = TextIds::default();
+        for (path, _) in sensors {
+            places.id(&path.as_str().into());
+        }
         PhotonReport {
             run: PhotonRun::default(),
             hits: 0,
@@ -59,7 +63,7 @@ impl PhotonReport {
             sequences: sequences.map(|most| (BTreeMap::new(), most)),
             surfaces: detector.surfaces().iter().map(|surface| surface.name.clone()).collect(),
             sensors: sensors.iter().map(|(path, _)| (path.clone(), 0)).collect(),
-            places: (0..).zip(sensors).map(|(place, (path, _))| (path.clone(), place)).collect(),
+            places,
         }
     }
 
@@ -93,14 +97,12 @@ impl PhotonReport {
             counts[*sensor as usize] += 1;
         }
         for (path, count) in hits.paths().iter().zip(counts) {
-            match self.places.get(path) {
-                Some(&place) => self.sensors[place].1 += count,
-                // of a detector with too many placements for a list in advance
-                None => {
-                    self.places.insert(path.clone(), self.sensors.len());
-                    self.sensors.push((path.clone(), count));
-                }
+            let place = self.places.id(path) as usize;
+            // of a detector with too many placements for a list in advance
+            if place == self.sensors.len() {
+                self.sensors.push((path.to_string(), 0));
             }
+            self.sensors[place].1 += count;
         }
     }
 

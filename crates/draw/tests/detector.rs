@@ -2,6 +2,7 @@
 
 use rayweave_draw::detector::{Histogram, HitPositions, MapPlane, histograms_svg, hit_maps_svg};
 use rayweave_math::{Bounds, Vec3};
+use std::sync::Arc;
 
 /// The heights of the bars of a drawing, in pixels.
 fn bars(drawing: &str) -> Vec<f64> {
@@ -31,7 +32,7 @@ fn a_sensor_with_few_hits_does_not_set_the_scale() {
             sensors.push(sensor);
         }
     }
-    let names = ["a", "b", "c", "d"].map(str::to_owned);
+    let names = ["a", "b", "c", "d"].map(Arc::from);
     let half = Vec3::new(3.0, 3.0, 0.5);
     let extents = centres.map(|[x, y]| Some(Bounds::centred(Vec3::new(x, y, 5.5), half)));
     let [x, y, z] = &positions;
@@ -77,7 +78,7 @@ fn maps_are_drawn_in_the_plane_of_the_hits() {
     let z: Vec<f64> = (0..100).map(|k| f64::from(k / 10)).chain([7.0, 7.5]).collect();
     let x = vec![5.0; 102];
     let sensors: Vec<u32> = (0..102).map(|k| u32::from(k >= 100)).collect();
-    let names = ["wide".to_owned(), "small".to_owned(), "dark".to_owned()];
+    let names = ["wide", "small", "dark"].map(Arc::from);
     let hits = HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z], ..NONE };
     let drawing = hit_maps_svg(hits, "a", "mm");
     assert!(drawing.contains("102 hits of 2 sensors") && !drawing.contains(">dark<"), "{drawing}");
@@ -107,7 +108,7 @@ fn each_sensor_has_its_own_plane() {
             sensors.push(face);
         }
     }
-    let names: Vec<String> = (0..6).map(|face| format!("face {face}")).collect();
+    let names: Vec<Arc<str>> = (0..6).map(|face| format!("face {face}").into()).collect();
     let [x, y, z] = &positions;
     let hits = HitPositions { names: &names, sensors: &sensors, positions: [x, y, z], ..NONE };
     let drawing = hit_maps_svg(hits, "a", "mm");
@@ -144,7 +145,7 @@ fn of_many_sensors_those_with_the_most_hits_have_maps() {
     let x: Vec<f64> = (0..sensors.len()).map(|k| k as f64).collect();
     let y: Vec<f64> = x.iter().map(|x| 7.0 * x % 13.0).collect();
     let z = vec![0.0; x.len()];
-    let names: Vec<String> = (0..20).map(|k| format!("sensor {k}")).collect();
+    let names: Vec<Arc<str>> = (0..20).map(|k| format!("sensor {k}").into()).collect();
     let hits = HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z], ..NONE };
     let drawing = hit_maps_svg(hits, "a", "mm");
     assert!(drawing.contains("210 hits of 20 sensors; the 16 sensors with the most hits"), "{drawing}");

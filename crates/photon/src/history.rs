@@ -12,6 +12,7 @@ use rayweave_math::Vec3;
 use rayweave_model::Crossing;
 use rayweave_shape::Ray;
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 /// The process at the end of a step of a photon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -279,7 +280,7 @@ pub struct Histories {
 impl Histories {
     /// The paths of volumes: names and copy numbers of the placements that lead to them.
     #[must_use]
-    pub fn volumes(&self) -> &[String] {
+    pub fn volumes(&self) -> &[Arc<str>] {
         self.volumes.names()
     }
 

@@ -56,7 +56,7 @@ impl Hits {
 
     /// The paths of sensors: the names and copy numbers of the placements that lead to the volume.
     #[must_use]
-    pub fn paths(&self) -> &[String] {
+    pub fn paths(&self) -> &[Arc<str>] {
         self.volumes.names()
     }
 
@@ -171,9 +171,8 @@ impl Hits {
         columns.extend(self.direction.iter().chain(&self.polarisation).cloned().map(Values::from));
         columns.push(self.wavelength_nm.clone().into());
         columns.push(self.steps.clone().into());
-        let paths: Vec<Arc<str>> = self.paths().iter().map(|path| path.as_str().into()).collect();
-        columns
-            .push(Values::Text(self.sensor.iter().map(|&sensor| paths[sensor as usize].clone()).collect()));
+        let path = |&sensor: &u32| self.paths()[sensor as usize].clone();
+        columns.push(Values::Text(self.sensor.iter().map(path).collect()));
         columns.extend(self.genstep.iter().cloned().map(Values::from));
         Chunk::new(columns)
     }

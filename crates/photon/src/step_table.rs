@@ -40,7 +40,6 @@ impl Histories {
         let vector = |vector: fn(&StepRow) -> Vec3| {
             [0, 1, 2].map(|k| Values::F64(self.steps.iter().map(|row| vector(row).to_array()[k]).collect()))
         };
-        let paths: Vec<Arc<str>> = self.volumes().iter().map(|path| path.as_str().into()).collect();
         let mut columns =
             vec![whole(|row| row.photon), whole(|row| row.track), whole(|row| i64::from(row.step))];
         columns.push(ids(|row| row.process.number() as u32));
@@ -49,7 +48,7 @@ impl Histories {
         columns.extend(vector(|row| row.direction));
         columns.extend(vector(|row| row.polarisation));
         columns.push(real(|row| row.wavelength_nm));
-        let volumes = self.steps.iter().map(|row| paths[row.volume as usize].clone());
+        let volumes = self.steps.iter().map(|row| self.volumes()[row.volume as usize].clone());
         columns.push(Values::Text(volumes.collect()));
         columns.push(ids(|row| row.surface.unwrap_or(NO_NAME)));
         Chunk::new(columns)
@@ -68,8 +67,7 @@ impl Histories {
         let text = |rows: &&[StepRow]| -> Arc<str> {
             rows.iter().map(|row| row.process.name()).collect::<Vec<_>>().join(" ").into()
         };
-        let paths: Vec<Arc<str>> = self.volumes().iter().map(|path| path.as_str().into()).collect();
-        let volumes = ends.iter().map(|row| paths[row.volume as usize].clone());
+        let volumes = ends.iter().map(|row| self.volumes()[row.volume as usize].clone());
         Chunk::new(vec![
             whole(|row| row.photon),
             whole(|row| row.track),

@@ -6,6 +6,7 @@ use rayweave_scene::bare_name;
 use rayweave_shape::Ray;
 use rustc_hash::FxHashMap;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// The path of a volume and its copy number: that of the innermost placement with a number, or -1 without one. `face` is a face of the volume,
 /// or of a volume placed in it, as crossings at the ends of a step through the volume have it.
@@ -32,11 +33,12 @@ fn volume_path(detector: &Detector, region: u32, face: Option<Face>) -> (String,
 /// The distinct paths of volumes, numbered in the order of their appearance.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct VolumePaths {
-    names: Vec<String>,
+    /// Shared by all lists of a thread, so that tables know them by their addresses.
+    names: Vec<Arc<str>>,
     /// The copy number of each path.
     copies: Vec<i64>,
     /// The numbers of the paths; those of the last ones may be missing until the next search for a path.
-    numbers: HashMap<String, u32>,
+    numbers: HashMap<Arc<str>, u32>,
     /// The numbers by region, and by placement and leaf of a face: paths are made once.
     known: FxHashMap<(u32, Option<[u32; 2]>), u32>,
 }
@@ -49,7 +51,7 @@ impl PartialEq for VolumePaths {
 
 impl VolumePaths {
     /// The paths by number.
-    pub fn names(&self) -> &[String] {
+    pub fn names(&self) -> &[Arc<str>] {
         &self.names
     }
 
@@ -65,7 +67,7 @@ impl VolumePaths {
             return number;
         }
         let (path, copy) = volume_path(detector, region, face);
-        let number = self.insert(&path, copy);
+        let number = self.insert(&path.into(), copy);
         self.known.insert(key, number);
         number
     }
@@ -85,7 +87,7 @@ impl VolumePaths {
             Some(own) => self.number(detector, region, Some(own)),
             None => {
                 let (path, copy) = volume_path(detector, region, Some(face));
-                self.insert(&path, copy)
+                self.insert(&path.into(), copy)
             }
         }
     }
@@ -116,14 +118,14 @@ impl VolumePaths {
     pub fn renumber_by(&mut self, order: &[(String, i64)], used: &mut [u32]) {
         let mut ordered = VolumePaths::default();
         for (path, copy) in order {
-            ordered.insert(path, *copy);
+            ordered.insert(&path.as_str().into(), *copy);
         }
         let numbers = ordered.absorb(self);
         used.iter_mut().for_each(|number| *number = numbers[*number as usize]);
         *self = ordered;
     }
 
-    fn insert(&mut self, path: &str, copy: i64) -> u32 {
+    fn insert(&mut self, path: &Arc<str>, copy: i64) -> u32 {
         for number in self.numbers.len()..self.names.len() {
             self.numbers.insert(self.names[number].clone(), number as u32);
         }
@@ -131,9 +133,9 @@ impl VolumePaths {
             return number;
         }
         let number = self.names.len() as u32;
-        self.names.push(path.to_owned());
+        self.names.push(path.clone());
         self.copies.push(copy);
-        self.numbers.insert(path.to_owned(), number);
+        self.numbers.insert(path.clone(), number);
         number
     }
 }

@@ -8,6 +8,7 @@
 //! - [`NpyArray`] is a whole array of float64 numbers, read from an NPY file.
 //! - [`TableReader`] reads a table row by row.
 //! - [`Part`] describes a part of a table, a range of its rays; [`PartSet`] joins the parts to the whole.
+//! - [`TextIds`] numbers texts.
 //! - [`RayReader`] reads rays from CSV or NPY in constant memory and reports every problem with its location.
 //!
 //! ```
@@ -42,6 +43,7 @@ mod rays;
 mod read;
 mod reason;
 mod schema;
+mod text_ids;
 mod writer;
 
 pub use allowed::{AllowedFiles, RefusedFile};
@@ -55,4 +57,5 @@ pub use part::{Counts, Part, PartSet, missing_ranges};
 pub use rays::{LIGHT_COLUMNS, Progress, RAY_COLUMNS, RAYS_PER_CHUNK, RayChunk, RayReader};
 pub use read::{TableReader, TableRow};
 pub use schema::{Column, DType, NO_NAME, Schema};
+pub use text_ids::TextIds;
 pub use writer::TableWriter;

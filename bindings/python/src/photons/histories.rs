@@ -73,7 +73,7 @@ impl PyHistories {
     /// The paths of the volumes, by their numbers.
     #[getter]
     fn volume_paths(&self) -> Vec<String> {
-        self.histories.volumes().to_vec()
+        self.histories.volumes().iter().map(ToString::to_string).collect()
     }
 
     /// The names of the optical surfaces, by their numbers.

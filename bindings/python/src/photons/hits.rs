@@ -59,7 +59,7 @@ impl PyPhotonHits {
     /// The paths of the sensors, in the order of their placements.
     #[getter]
     fn sensor_paths(&self) -> Vec<String> {
-        self.hits.paths().to_vec()
+        self.hits.paths().iter().map(ToString::to_string).collect()
     }
 
     /// Writes the table of hits of the command: .csv, .npy or .parquet.

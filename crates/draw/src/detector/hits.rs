@@ -7,12 +7,13 @@ use crate::svg::{Anchor, Svg};
 use rayweave_error::Message;
 use rayweave_math::{Bounds, Vec3};
 use std::str::FromStr;
+use std::sync::Arc;
 
 /// Hits with their sensors.
 #[derive(Clone, Copy, Debug)]
 pub struct HitPositions<'a> {
     /// The names of the sensors.
-    pub names: &'a [String],
+    pub names: &'a [Arc<str>],
     /// The sensor of each hit: an index into `names`.
     pub sensors: &'a [u32],
     /// The coordinates x, y, z of each hit.
@@ -153,7 +154,7 @@ struct Panel<'a> {
 ///
 /// let x: Vec<f64> = (0..100).map(|k| f64::from(k % 10)).collect();
 /// let y: Vec<f64> = (0..100).map(|k| f64::from(k / 10)).collect();
-/// let (names, positions) = (["cathode".to_owned()], [&x[..], &y, &[50.0; 100]]);
+/// let (names, positions) = (["cathode".into()], [&x[..], &y, &[50.0; 100]]);
 /// let hits = HitPositions { names: &names, sensors: &[0; 100], positions, extents: &[], cells: None, plane: None };
 /// assert!(hit_maps_svg(hits, "detector.gdml", "mm").contains("cathode"));
 /// ```

@@ -167,6 +167,6 @@ fn the_rule_of_detection_is_respected() {
         let settings = RunSettings { detection, ..settings(COUNT) };
         let run = run(&slab.build(), &beam(COUNT, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]), &settings);
         assert_eq!(run.hits.len(), expected, "{detection:?}");
-        assert!(run.hits.paths().iter().all(|path| path == "Slab"));
+        assert!(run.hits.paths().iter().all(|path| **path == *"Slab"));
     }
 }

@@ -196,7 +196,7 @@ fn touching_sensors_keep_their_copies() {
         photons.iter_mut().for_each(|photon| photon.position.z = 50.0);
     }
     let hits = run(&detector, &light, &settings(100)).hits;
-    assert_eq!((hits.len(), hits.paths(), hits.copies()), (100, &["Slab[6]".to_owned()][..], &[6][..]));
+    assert_eq!((hits.len(), hits.paths(), hits.copies()), (100, &["Slab[6]".into()][..], &[6][..]));
     assert!(hits.position[2].iter().all(|z| (z - 100.0).abs() < 1e-12));
 }
 

@@ -57,7 +57,7 @@ fn hits_belong_to_the_copy_behind_the_end() {
             assert_eq!(crate::count(&run, End::Detected), COUNT as u64, "{links}: {:?}", run.ends);
             let hits = &run.hits;
             let sensor = format!("Sensor[{copy}]");
-            assert!(hits.sensor.iter().all(|&k| hits.paths()[k as usize] == sensor), "{:?}", hits.paths());
+            assert!(hits.sensor.iter().all(|&k| *hits.paths()[k as usize] == *sensor), "{:?}", hits.paths());
         }
     }
 }

@@ -70,7 +70,7 @@ fn steps_of_a_straight_photon() {
         for ((row, (process, z, time, volume)), step) in rows.iter().zip(expected).zip(0..) {
             assert_eq!((row.process, row.step, row.track, row.surface), (process, step, photon, None));
             assert!((row.position.z - z).abs() < 1e-9 && (row.time - time).abs() < 1e-12, "{row:?}");
-            assert_eq!(histories.volumes()[row.volume as usize], volume);
+            assert_eq!(&*histories.volumes()[row.volume as usize], volume);
             assert_eq!(row.direction, Vec3::Z);
         }
     }
@@ -169,11 +169,11 @@ fn volumes_have_paths_with_copy_numbers() {
         let mut sequences = histories.sequences.iter();
         let found = sequences.find(|sequence| sequence_text(sequence.words) == text).unwrap();
         let rows = histories.steps.iter().filter(|row| row.photon == found.photon);
-        rows.map(|row| histories.volumes()[row.volume as usize].as_str()).collect::<Vec<_>>()
+        rows.map(|row| &*histories.volumes()[row.volume as usize]).collect::<Vec<_>>()
     };
     assert_eq!(volumes("TO BT BT SD"), ["World", "World", "Slab[2]", "Slab[2]/Core[7]"]);
     assert!(run.hits.len() > 150);
-    assert_eq!((run.hits.paths(), run.hits.copies()), (&["Slab[2]/Core[7]".to_owned()][..], &[7][..]));
+    assert_eq!((run.hits.paths(), run.hits.copies()), (&["Slab[2]/Core[7]".into()][..], &[7][..]));
 }
 
 #[test]

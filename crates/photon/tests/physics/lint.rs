@@ -521,7 +521,7 @@ fn sensors_are_numbered_by_their_placements() {
     let before = copies(&hits);
     assert!(before.contains(&3) && before.contains(&2) && hits.paths().len() == 2, "{before:?}");
     hits.number_by(&detector);
-    assert_eq!(hits.paths(), ["Sensor[0]", "Sensor[1]", "Sensor[2]", "Sensor[3]"]);
+    assert_eq!(hits.paths(), [0, 1, 2, 3].map(|copy| format!("Sensor[{copy}]").into()));
     assert_eq!(copies(&hits), before);
     assert!(hits.sensor.iter().zip(before).all(|(&sensor, copy)| i64::from(sensor) == copy));
 }

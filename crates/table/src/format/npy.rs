@@ -1,6 +1,5 @@
 //! NPY writer (NumPy): a structured array whose length is patched into the header at the end.
 
-use std::collections::HashMap;
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,7 +7,7 @@ use std::sync::Arc;
 use crate::chunk::Values;
 use crate::format::Sink;
 use crate::npy_header;
-use crate::{AtomicFile, Chunk, DType, Schema, TableError};
+use crate::{AtomicFile, Chunk, DType, Schema, TableError, TextIds};
 
 /// Number of rows that are interleaved at once, which bounds the scratch memory.
 const ROWS_PER_BLOCK: usize = 1024;
@@ -18,29 +17,11 @@ pub(super) struct NpySink {
     file: AtomicFile,
     /// Created at the start and renamed before the array, so that a complete array always has its names.
     names: Option<NameFile>,
-    /// The texts of each column so far; empty for columns of other types.
-    texts: Vec<Texts>,
+    /// The texts of each column: those known before the rows, then the others in the order in which they first occur; empty for
+    /// columns of other types.
+    texts: Vec<TextIds>,
     block: Vec<u8>,
     row_size: usize,
-}
-
-/// The distinct texts of a column: those known before the rows, then the others in the order in which they first occur.
-#[derive(Default)]
-struct Texts {
-    list: Vec<Arc<str>>,
-    ids: HashMap<Arc<str>, u32>,
-}
-
-impl Texts {
-    fn id(&mut self, text: &Arc<str>) -> u32 {
-        if let Some(&id) = self.ids.get(text) {
-            return id;
-        }
-        let id = self.list.len() as u32;
-        self.list.push(text.clone());
-        self.ids.insert(text.clone(), id);
-        id
-    }
 }
 
 impl NpySink {
@@ -53,7 +34,7 @@ impl NpySink {
         Ok(Self {
             file,
             names: NameFile::create(path.with_extension("names.json"), schema)?,
-            texts: columns.iter().map(|_| Texts::default()).collect(),
+            texts: columns.iter().map(|_| TextIds::default()).collect(),
             block: Vec::new(),
             row_size: columns.iter().map(|column| column.dtype.size()).sum(),
         })
@@ -160,10 +141,10 @@ impl NameFile {
     }
 
     /// Writes the tables of texts and completes the file.
-    fn finish(mut self, schema: &Schema, texts: &[Texts]) -> Result<(), TableError> {
+    fn finish(mut self, schema: &Schema, texts: &[TextIds]) -> Result<(), TableError> {
         for (column, texts) in schema.columns().iter().zip(texts) {
             if column.dtype == DType::Text {
-                let texts: Vec<&str> = texts.list.iter().map(|text| &**text).collect();
+                let texts: Vec<&str> = texts.texts().iter().map(|text| &**text).collect();
                 self.add(&column.name, &texts)?;
             }
         }
