@@ -42,7 +42,9 @@ pub(crate) struct BoxSteps<'d> {
     planes: Vec<u32>,
     /// For each face of each box, true if the function of its surface is negative outside of the box.
     turned: Vec<bool>,
+    /// Two groups of photons make their steps in turn: the steps of the second do not wait for those of the first.
     eight: Box<Eight>,
+    other: Box<Eight>,
     /// The photons that have ended.
     ended: Vec<usize>,
 }
@@ -95,6 +97,9 @@ struct Eight {
     start: [Start; LANES],
     cell: [u32; LANES],
     energy: Row,
+    /// The last two cells of each lane, and the place of the last one: photons often go back to the one before.
+    loaded: [[LoadedCell; 2]; LANES],
+    last: [usize; LANES],
     position: [Row; 3],
     direction: [Row; 3],
     polarisation: [Row; 3],
@@ -132,6 +137,55 @@ struct Listed {
     detecting: u64,
     /// See [`Group::values`].
     values: [Row; 3],
+}
+
+/// A cell with the properties of its materials and surfaces at an energy.
+#[derive(Clone, Copy, Debug)]
+struct LoadedCell {
+    cell: u32,
+    energy: f64,
+    velocity: f64,
+    /// The mean free paths of the processes, +inf for none, and whether they are absorption.
+    paths: [(f64, bool); PATHS],
+    boxes: [LoadedBox; BOXES],
+    /// The number of boxes.
+    count: usize,
+}
+
+/// A box of a cell, as in [`Listed`].
+#[derive(Clone, Copy, Debug)]
+struct LoadedBox {
+    number: u32,
+    is_lower: bool,
+    is_bare: bool,
+    is_painted: bool,
+    is_detecting: bool,
+    /// The translation into its frame, and the offsets of the low and of the high faces.
+    faces: [[f64; 3]; 3],
+    values: [f64; 3],
+}
+
+impl LoadedCell {
+    const NONE: LoadedCell = LoadedCell {
+        cell: NONE,
+        energy: 0.0,
+        velocity: 1.0,
+        paths: [(f64::INFINITY, true); PATHS],
+        boxes: [LoadedBox::NONE; BOXES],
+        count: 0,
+    };
+}
+
+impl LoadedBox {
+    const NONE: LoadedBox = LoadedBox {
+        number: 0,
+        is_lower: false,
+        is_bare: false,
+        is_painted: false,
+        is_detecting: false,
+        faces: [[0.0; 3]; 3],
+        values: [0.0; 3],
+    };
 }
 
 /// The next crossings of eight photons.
@@ -226,8 +280,8 @@ impl<'d> BoxSteps<'d> {
         };
         let surfaces = cells.boxes.iter().flat_map(|own| own.surfaces.into_iter().enumerate());
         let turned = surfaces.map(is_turned).collect();
-        let (eight, ended) = (Box::default(), Vec::new());
-        Some(BoxSteps { level, cells, detector, settings, planes, turned, eight, ended })
+        let (eight, other, ended) = (Box::default(), Box::default(), Vec::new());
+        Some(BoxSteps { level, cells, detector, settings, planes, turned, eight, other, ended })
     }
 
     /// The place of a photon that starts on one face.
@@ -256,7 +310,12 @@ impl<'d> BoxSteps<'d> {
             }
             let is_last = next == photons.flights.len() && self.eight.active.count_ones() < FEW;
             if is_last || self.settings.cancel.is_cancelled() {
-                break;
+                (0..LANES).for_each(|lane| self.leave(lane, photons));
+                if self.other.active == 0 {
+                    break;
+                }
+                std::mem::swap(&mut self.eight, &mut self.other);
+                continue;
             }
             let ends = self.step(&mut counts);
             let active = self.eight.active;
@@ -268,9 +327,7 @@ impl<'d> BoxSteps<'d> {
                     self.leave(lane, photons);
                 }
             }
-        }
-        for lane in 0..LANES {
-            self.leave(lane, photons);
+            std::mem::swap(&mut self.eight, &mut self.other);
         }
         self.ended.sort_unstable();
         counts
@@ -323,11 +380,14 @@ impl<'d> BoxSteps<'d> {
         energy: f64,
         photons: &mut BatchPhotons<'_>,
     ) -> bool {
-        if (self.eight.cell[lane], self.eight.energy[lane]) != (cell, energy)
-            && !self.load(lane, cell, energy, photons)
-        {
-            self.eight.cell[lane] = NONE;
-            return false;
+        if (self.eight.cell[lane], self.eight.energy[lane]) != (cell, energy) {
+            let before = 1 - self.eight.last[lane];
+            let LoadedCell { cell: known, energy: at, .. } = self.eight.loaded[lane][before];
+            if (known, at) != (cell, energy) {
+                let Some(loaded) = self.load(cell, energy, photons) else { return false };
+                self.eight.loaded[lane][before] = loaded;
+            }
+            self.eight.put(lane, before);
         }
         let eight = &mut *self.eight;
         eight.axis[lane] = if place == 0 { (face % 3) as f64 } else { 3.0 };
@@ -337,48 +397,38 @@ impl<'d> BoxSteps<'d> {
         true
     }
 
-    /// Loads a cell into a lane, with the properties of materials and surfaces at an energy.
-    fn load(&mut self, lane: usize, cell: u32, energy: f64, photons: &mut BatchPhotons<'_>) -> bool {
+    /// Reads a cell with the properties of its materials and surfaces at an energy; `None` if its material has no index or too many
+    /// processes.
+    fn load(&self, cell: u32, energy: f64, photons: &mut BatchPhotons<'_>) -> Option<LoadedCell> {
         let own = &self.cells.cells[cell as usize];
         let region = self.cells.boxes[own.list[0] as usize].region;
-        let Some(values) = self.values(region, energy, photons) else { return false };
-        let (Some(index), paths) = (values.index, values.paths()) else { return false };
+        let values = self.values(region, energy, photons)?;
+        let (index, paths) = (values.index?, values.paths());
         if paths.len() > PATHS {
-            return false;
+            return None;
         }
-        self.eight.velocity[lane] = values.velocity;
-        for k in 0..PATHS {
-            let (mean, process) = paths.get(k).copied().unwrap_or((f64::INFINITY, Bulk::Absorption));
-            self.eight.paths[k][lane] = mean;
-            set(&mut self.eight.absorbs[k], lane, matches!(process, Bulk::Absorption));
+        let mut loaded = LoadedCell { cell, energy, velocity: values.velocity, ..LoadedCell::NONE };
+        loaded.count = own.list.len().min(BOXES);
+        for (k, &(mean, process)) in paths.iter().enumerate() {
+            loaded.paths[k] = (mean, matches!(process, Bulk::Absorption));
         }
-        (self.eight.cell[lane], self.eight.energy[lane]) = (cell, energy);
-        for place in 0..BOXES {
-            let number = own.list.get(place).copied();
-            set(&mut self.eight.boxes[place].present, lane, number.is_some());
-            let Some(number) = number else { continue };
+        for (place, &number) in own.list.iter().enumerate().take(BOXES) {
             let listed = &self.cells.boxes[number as usize];
             let behind = if place == 0 { own.behind } else { listed.region };
             let meeting = self.meeting([region, behind], (index, energy), photons);
-            let row = &mut self.eight.boxes[place];
-            row.number[lane] = number;
-            for k in 0..3 {
-                row.shift[k][lane] = listed.shift[k];
-                row.low[k][lane] = listed.low[k];
-                row.high[k][lane] = listed.high[k];
-            }
-            set(&mut row.lower, lane, place > 0 && listed.region <= region);
-            set(&mut row.bare, lane, meeting.is_some_and(|(is_bare, _)| is_bare));
-            set(&mut row.painted, lane, meeting.is_some_and(|(is_bare, _)| !is_bare));
             let detects = self.settings.detection != DetectionRule::Efficiency
                 && self.detector.sensors[behind.index()].is_some();
-            set(&mut row.detecting, lane, detects);
-            let (_, values) = meeting.unwrap_or_default();
-            for k in 0..3 {
-                row.values[k][lane] = values[k];
-            }
+            loaded.boxes[place] = LoadedBox {
+                number,
+                faces: [listed.shift.to_array(), listed.low, listed.high],
+                is_lower: place > 0 && listed.region <= region,
+                is_bare: meeting.is_some_and(|(is_bare, _)| is_bare),
+                is_painted: meeting.is_some_and(|(is_bare, _)| !is_bare),
+                is_detecting: detects,
+                values: meeting.unwrap_or_default().1,
+            };
         }
-        true
+        Some(loaded)
     }
 
     /// The values of the material of a region at an energy; `None` for the world.
@@ -493,6 +543,8 @@ impl Default for Eight {
             start: [start; LANES],
             cell: [NONE; LANES],
             energy: zero,
+            loaded: [[LoadedCell::NONE; 2]; LANES],
+            last: [0; LANES],
             position: [zero; 3],
             // lanes that are not in use have a direction
             direction: [one; 3],
@@ -522,6 +574,37 @@ impl Listed {
 }
 
 impl Eight {
+    /// Puts one of the last two cells of a lane into it.
+    fn put(&mut self, lane: usize, place: usize) {
+        let own = &self.loaded[lane][place];
+        self.last[lane] = place;
+        (self.cell[lane], self.energy[lane], self.velocity[lane]) = (own.cell, own.energy, own.velocity);
+        for (k, &(mean, absorbs)) in own.paths.iter().enumerate() {
+            self.paths[k][lane] = mean;
+            set(&mut self.absorbs[k], lane, absorbs);
+        }
+        for (place, (row, listed)) in self.boxes.iter_mut().zip(&own.boxes).enumerate() {
+            set(&mut row.present, lane, place < own.count);
+            if place >= own.count {
+                continue;
+            }
+            row.number[lane] = listed.number;
+            let Listed { shift, low, high, .. } = row;
+            for (rows, faces) in [shift, low, high].into_iter().zip(&listed.faces) {
+                for k in 0..3 {
+                    rows[k][lane] = faces[k];
+                }
+            }
+            set(&mut row.lower, lane, listed.is_lower);
+            set(&mut row.bare, lane, listed.is_bare);
+            set(&mut row.painted, lane, listed.is_painted);
+            set(&mut row.detecting, lane, listed.is_detecting);
+            for k in 0..3 {
+                row.values[k][lane] = listed.values[k];
+            }
+        }
+    }
+
     /// The first face that each photon crosses.
     #[inline(always)]
     fn next<S: Simd>(&self, simd: S, margin: f64) -> Next<S> {
