@@ -14,9 +14,8 @@ use crate::rows::{Row, get, load, put, vector};
 use crate::settings::RunSettings;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use rayweave_math::Vec3;
+use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{AxisBox, BoxCell, BoxCells, BoxStart, PlacementId, RegionId, Start, SurfaceId};
-use rayweave_optics::start_surfaces::PlaneContact;
 use rayweave_shape::dispatch_wide;
 use rayweave_shape::lanes::{LANES, Lanes, Mask, WideLevel, splat};
 
@@ -38,8 +37,8 @@ pub(crate) struct BoxSteps<'d> {
     cells: &'d BoxCells,
     detector: &'d Detector,
     settings: &'d RunSettings,
-    /// For each face of each box, its place in the list of planes of the detector; `u32::MAX` for none.
-    planes: Vec<u32>,
+    /// For each face of each box, the points out of reach of all surfaces but its own.
+    alone: Vec<Bounds>,
     /// For each face of each box, true if the function of its surface is negative outside of the box.
     turned: Vec<bool>,
     /// Two groups of photons make their steps in turn: the steps of the second do not wait for those of the first.
@@ -232,7 +231,8 @@ struct FaceContact<S: Simd> {
     /// The points of the crossings, before and after their projection onto the faces.
     points: [Row; 3],
     on_face: [Row; 3],
-    /// Bit mask of the photons for whose lengths the boxes of [`PlaneContact`] hold.
+    /// Bit mask of the photons for whose lengths the boxes of
+    /// [`PlaneContact`](rayweave_optics::start_surfaces::PlaneContact) hold.
     near: u64,
 }
 
@@ -269,10 +269,11 @@ impl<'d> BoxSteps<'d> {
             return None;
         }
         let plane = |(own, surface): (&AxisBox, SurfaceId)| {
-            detector.starts.plane_of_surface(surface, own.placement).unwrap_or(u32::MAX)
+            let number = detector.starts.plane_of_surface(surface, own.placement);
+            number.and_then(|number| detector.starts.planes().get(number as usize))
         };
         let faces = cells.boxes.iter().flat_map(|own| own.surfaces.map(|surface| (own, surface)));
-        let planes = faces.map(plane).collect();
+        let alone = faces.map(|face| plane(face).map_or(Bounds::EMPTY, |plane| plane.alone)).collect();
         let is_turned = |(face, surface): (usize, SurfaceId)| {
             let surface = &detector.program.surface(surface).surface;
             let outward = if face < 3 { -1.0 } else { 1.0 };
@@ -281,7 +282,7 @@ impl<'d> BoxSteps<'d> {
         let surfaces = cells.boxes.iter().flat_map(|own| own.surfaces.into_iter().enumerate());
         let turned = surfaces.map(is_turned).collect();
         let (eight, other, ended) = (Box::default(), Box::default(), Vec::new());
-        Some(BoxSteps { level, cells, detector, settings, planes, turned, eight, other, ended })
+        Some(BoxSteps { level, cells, detector, settings, alone, turned, eight, other, ended })
     }
 
     /// The place of a photon that starts on one face.
@@ -478,8 +479,7 @@ impl<'d> BoxSteps<'d> {
             margin: self.cells.margin,
             zeros: self.cells.zeros,
             alone_lengths: starts.alone_lengths(),
-            planes: starts.planes(),
-            of_faces: &self.planes,
+            alone: &self.alone,
         };
         let (level, eight) = (self.level, &mut *self.eight);
         dispatch_wide!(level, simd => eight.step(simd, &world, counts))
@@ -514,8 +514,8 @@ struct World<'d> {
     zeros: [f64; 2],
     /// See [`StartSurfaces`](rayweave_optics::start_surfaces::StartSurfaces).
     alone_lengths: f64,
-    planes: &'d [PlaneContact],
-    of_faces: &'d [u32],
+    /// For each face of each box, the points out of reach of all surfaces but its own.
+    alone: &'d [Bounds],
 }
 
 /// Writes vectors in some lanes.
@@ -570,6 +570,28 @@ impl Listed {
             heights[k] = [local + load(simd, &self.low[k]), load(simd, &self.high[k]) - local];
         }
         heights
+    }
+
+    /// Bit mask of the photons that [`Eight::meet`] certainly has nothing to say about: the box is behind them, or they enter it after
+    /// the time `t`. Most boxes are, and divisions are slow.
+    #[inline(always)]
+    fn out_of_reach<S: Simd>(
+        &self,
+        simd: S,
+        &Lines { origin, size, rises, apart }: &Lines<S>,
+        near: Lanes<S>,
+        t: Lanes<S>,
+    ) -> u64 {
+        let heights = self.heights(simd, origin);
+        // twice the least time between crossings, and more than the rounding errors of quotients
+        let until = (t.max(splat(simd, 0.0)) + apart * 2.0) * (1.0 + 1e-9);
+        let mut out = Mask::splat(simd, false);
+        for k in 0..3 {
+            let [below, above] = heights[k];
+            out |= rises[k].select(above, below).simd_lt(near * -2.0);
+            out |= (-rises[k].select(below, above)).simd_gt(until * size[k]);
+        }
+        out.to_bitmask()
     }
 }
 
@@ -648,8 +670,13 @@ impl Eight {
         for place in 1..BOXES {
             let other = &self.boxes[place];
             let met = other.present & !other.departed & self.active;
+            if met == 0 {
+                continue;
+            }
+            let lines = Lines { origin, size, rises, apart };
+            let met = met & !other.out_of_reach(simd, &lines, near, next.t);
             if met != 0 {
-                self.meet(simd, place, met, &Lines { origin, size, rises, apart }, &mut next);
+                self.meet(simd, place, met, &lines, &mut next);
             }
         }
         next.unsure |= !next.second.simd_gt(next.t + apart);
@@ -905,8 +932,12 @@ impl Eight {
         for lane in (0..LANES).filter(|lane| some >> lane & 1 == 1) {
             let number = self.boxes[ends.place[lane] as usize % BOXES].number[lane];
             let at = 6 * number as usize + ends.face[lane] as usize;
-            let plane = world.of_faces.get(at).and_then(|&plane| world.planes.get(plane as usize));
-            let is_alone = plane.is_some_and(|plane| plane.alone.contains(get(points, lane)));
+            let Some(Bounds { lo, hi }) = world.alone.get(at) else { continue };
+            let mut is_alone = true;
+            for k in 0..3 {
+                // without branches, which nobody can predict
+                is_alone &= (lo[k] <= points[k][lane]) & (points[k][lane] <= hi[k]);
+            }
             alone |= u64::from(is_alone) << lane;
         }
         alone
