@@ -99,7 +99,7 @@ fn lines(hits: &Hits) -> Vec<(i64, [u64; 5], String)> {
             hits.direction[1][row],
             hits.polarisation[2][row],
         ];
-        (hits.photon[row], values.map(f64::to_bits), hits.paths()[hits.sensor[row] as usize].clone())
+        (hits.photon[row], values.map(f64::to_bits), hits.paths()[hits.sensor[row] as usize].to_string())
     };
     (0..hits.len()).map(bits).collect()
 }
