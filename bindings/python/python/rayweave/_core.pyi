@@ -1051,7 +1051,7 @@ class CompiledDetector:
         """Warnings of the reader of the file."""
 
     @property
-    def energy_warnings(self) -> list[str]:
+    def optical_warnings(self) -> list[str]:
         """The energies that are not those of light, one sentence each."""
 
     @property

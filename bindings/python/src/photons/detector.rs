@@ -135,9 +135,9 @@ impl PyDetector {
         self.warnings.clone()
     }
 
-    /// The energies that are not those of light, one sentence each.
+    /// The probable mistakes in optical properties and surfaces, one sentence each.
     #[getter]
-    fn energy_warnings(&self) -> Vec<String> {
+    fn optical_warnings(&self) -> Vec<String> {
         self.parts.detector.warnings().to_vec()
     }
 

@@ -128,8 +128,8 @@ impl Detector {
         let material_of: Vec<u32> =
             std::iter::once(0).chain(scene.regions.iter().map(|region| region.medium)).collect();
         let meetings = Meetings::new(&boundaries, &surfaces, &material_of);
-        let notes = properties.finish()?;
-        let warnings = energies::all_foreign(&table.table).iter().map(ToString::to_string).collect();
+        let [mut warnings, notes] = properties.finish()?;
+        warnings.extend(energies::all_foreign(&table.table).iter().map(ToString::to_string));
         Ok(Detector {
             faces,
             program,
@@ -156,8 +156,8 @@ impl Detector {
         &self.notes
     }
 
-    /// The input that makes a run meaningless although it is valid, one sentence each: energies that are not those of light, such as
-    /// numbers in eV taken as MeV.
+    /// The input that is probably a mistake although it is valid, one sentence each: energies that are not those of light, such as
+    /// numbers in eV taken as MeV, and border surfaces that name no placement or one of several with the same name.
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         &self.warnings

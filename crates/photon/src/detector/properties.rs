@@ -43,6 +43,14 @@ pub(crate) struct Owner {
     pub name: String,
 }
 
+impl Remark {
+    /// True if the message reports a probable mistake, such as a border surface that names no placement, rather than input that
+    /// no process uses.
+    pub fn is_mistake(&self) -> bool {
+        self.owner.element == "border"
+    }
+}
+
 impl Owner {
     pub fn new(element: &'static str, name: impl Into<String>) -> Owner {
         Owner { element, name: name.into() }
@@ -113,19 +121,23 @@ impl PropertyReader {
         self.notes.push(Remark { owner, property: String::new(), message: note, span: Span::default() });
     }
 
-    /// The notes.
+    /// The warnings about probable mistakes, and the notes.
     ///
     /// # Errors
     ///
     /// All problems, if there are any.
-    pub fn finish(self) -> Result<Vec<String>, PhotonError> {
+    pub fn finish(self) -> Result<[Vec<String>; 2], PhotonError> {
         let PropertyReader { source, problems, notes, .. } = self;
         if problems.is_empty() {
             // one sentence for the yields of all materials; a check lists them
             let (yields, notes): (Vec<Remark>, Vec<Remark>) =
                 notes.into_iter().partition(|note| YIELDS.contains(&note.property.as_str()));
-            let texts = notes.into_iter().map(|note| note.message.to_string());
-            return Ok(texts.chain((!yields.is_empty()).then(|| OF_YIELDS.to_owned())).collect());
+            let (mistakes, notes): (Vec<Remark>, Vec<Remark>) =
+                notes.into_iter().partition(Remark::is_mistake);
+            let [warnings, mut notes] = [mistakes, notes]
+                .map(|list| list.into_iter().map(|note| note.message.to_string()).collect::<Vec<_>>());
+            notes.extend((!yields.is_empty()).then(|| OF_YIELDS.to_owned()));
+            return Ok([warnings, notes]);
         }
         Err(match source {
             None => PhotonError::Detector(problems.into_iter().map(|problem| problem.message).collect()),

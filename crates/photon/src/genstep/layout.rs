@@ -4,16 +4,21 @@ use super::{EmissionProcess, Genstep};
 use crate::error::PhotonError;
 use crate::photon::{Photon, transverse};
 use crate::property::{HC_MEV_NM, LIGHT_SPEED};
+use rayweave_error::Message;
 use rayweave_math::Vec3;
 
 const CERENKOV: u32 = 15;
 const SCINTILLATION: u32 = 16;
+/// The kinds whose arrays have the same fields as those of [`CERENKOV`] and [`SCINTILLATION`]: Opticks writes them from
+/// JUNO's own processes (`G4Cerenkov_modified` and `DsG4Scintillation_r4695` of `OpticksGenstep.h`).
+const CERENKOV_MODIFIED: u32 = 18;
+const SCINTILLATION_OF_JUNO: u32 = 5;
 
 /// Reads gensteps in the layout of Opticks: 24 float32 numbers for each, some of which hold the bits of integers.
 ///
 /// | row | columns |
 /// | --- | --- |
-/// | 0 | kind (15 Cerenkov, 16 scintillation), track, number of the material, number of photons: integers |
+/// | 0 | kind (15 or 18 Cerenkov, 16 or 5 scintillation), track, number of the material, number of photons: integers |
 /// | 1 | position in mm, time in ns |
 /// | 2 | displacement in mm, length of the step in mm |
 /// | 3 | code (integer), charge, weight, velocity in mm/ns: before the step (Cerenkov), or its mean (scintillation) |
@@ -32,7 +37,7 @@ pub fn from_opticks(numbers: &[f32]) -> Result<Vec<Genstep>, PhotonError> {
         let integer = |k: usize| values[k].to_bits();
         let velocity = real(15);
         let (process, velocity) = match integer(0) {
-            CERENKOV => {
+            CERENKOV | CERENKOV_MODIFIED => {
                 let [shortest, longest] = [real(17), real(18)];
                 let wavelengths =
                     [shortest, if longest == 0.0 && shortest == 0.0 { f64::INFINITY } else { longest }];
@@ -40,12 +45,12 @@ pub fn from_opticks(numbers: &[f32]) -> Result<Vec<Genstep>, PhotonError> {
                 let process = EmissionProcess::Cerenkov { inverse_beta: real(16), wavelengths, density };
                 (process, [velocity, real(23)])
             }
-            SCINTILLATION => {
+            SCINTILLATION | SCINTILLATION_OF_JUNO => {
                 let component = Some(integer(16)).filter(|&component| component > 0);
                 let process = EmissionProcess::Scintillation { component, time: real(20), rise_time: None };
                 (process, [velocity; 2])
             }
-            kind => return Err(unknown_kind(row, f64::from(kind))),
+            kind => return Err(unknown_opticks_kind(row, kind)),
         };
         Ok(Genstep {
             process,
@@ -124,6 +129,31 @@ pub fn from_geant4(numbers: &[f64]) -> Result<Vec<Genstep>, PhotonError> {
 fn unknown_kind(row: usize, kind: f64) -> PhotonError {
     let problem = format!("genstep {row} is of the kind {kind}");
     PhotonError::setting(problem, "the kinds are 15 (Cerenkov) and 16 (scintillation)")
+}
+
+/// The error of a kind of `OpticksGenstep.h` without particles, of one in another layout, or of a number stored as a float.
+fn unknown_opticks_kind(row: usize, kind: u32) -> PhotonError {
+    let as_float = f32::from_bits(kind);
+    if as_float >= 1.0 && as_float < 256.0 && as_float.fract() == 0.0 {
+        let message = Message::new(
+            format!("genstep {row} has the kind {as_float} as a floating-point number"),
+            "the kind, the track, the material and the number of photons are the bits of 32-bit integers",
+        );
+        return PhotonError::Setting(message.suggest("In NumPy: array.view(np.int32)[:, 0] = integers."));
+    }
+    let message = Message::new(
+        format!("genstep {row} is of the kind {kind}"),
+        "the kinds are 15 and 18 (Cerenkov), and 16 and 5 (scintillation)",
+    );
+    PhotonError::Setting(match kind {
+        1..=4 => {
+            message.suggest("Kinds 1 to 4 are of an older layout with other fields: write the present one.")
+        }
+        6..=8 | 19 => {
+            message.suggest("It has no particle: use a source, such as a point, or give the photons.")
+        }
+        _ => message,
+    })
 }
 
 /// The largest deviation of directions and polarisations in float32 from unit vectors that are perpendicular to each other.

@@ -12,7 +12,7 @@ use crate::property::HC_MEV_NM;
 use crate::scintillation::chosen;
 use rayweave_error::Message;
 use rayweave_model::{Evaluator, RegionId};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 /// Gensteps in a detector. The photons are numbered through all of them in their order.
@@ -83,7 +83,8 @@ impl Gensteps {
             let problem = format!("the gensteps have {total} photons");
             return Err(PhotonError::setting(problem, "an event has at most 4294967296 photons"));
         }
-        let notes = compare_yields(detector, gensteps, &steps);
+        let mut notes = compare_yields(detector, gensteps, &steps);
+        notes.extend(unused_names(gensteps, materials));
         Ok(Gensteps { steps, first, notes })
     }
 
@@ -104,8 +105,8 @@ impl Gensteps {
         self.steps.get(self.parent(photon)).is_some_and(|step| matches!(step.light, Light::Cerenkov { .. }))
     }
 
-    /// Sentences about numbers of Cerenkov photons that the index of their material does not explain: a sign that another
-    /// material was meant.
+    /// Sentences about numbers of Cerenkov photons that the index of their material does not explain, a sign that another
+    /// material was meant; and about names of numbers that no genstep has.
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
@@ -302,6 +303,18 @@ fn light(row: usize, genstep: &Genstep, material: &OpticalMaterial) -> Result<Li
             Ok(Light::Scintillation { component: at, time, rise_time, is_charged })
         }
     }
+}
+
+/// A sentence about names of material numbers that no genstep has, if other numbers have no name: they may be misspelt. A table
+/// of all materials of the other program is no mistake.
+fn unused_names(gensteps: &[Genstep], names: &BTreeMap<u32, String>) -> Option<String> {
+    let numbers: BTreeSet<u32> = gensteps.iter().map(|genstep| genstep.material).collect();
+    let (unused, _) = names.iter().find(|(number, _)| !numbers.contains(number))?;
+    let unnamed = numbers.iter().find(|number| !names.contains_key(number))?;
+    Some(format!(
+        "the material {unused} has a name and no genstep has this number, and the material {unnamed} has none: its gensteps take \
+         the material that they lie in. Check the numbers."
+    ))
 }
 
 /// Compares the numbers of Cerenkov photons with the means of their materials.

@@ -66,11 +66,10 @@ pub fn lint<E: Evaluator>(
     lint.surfaces();
     lint.volumes();
     for note in &optics.properties.notes {
-        match note.owner.element {
-            // a border that names no placement is a mistake, not a leftover
-            "border" => lint.find(&note.owner, &note.property, note.message.clone()),
-            _ if properties::successor(&note.property).is_some() => {}
-            _ => lint.find_unused(&note.owner, &note.property, note.message.clone()),
+        match () {
+            () if note.is_mistake() => lint.find(&note.owner, &note.property, note.message.clone()),
+            () if properties::successor(&note.property).is_some() => {}
+            () => lint.find_unused(&note.owner, &note.property, note.message.clone()),
         }
     }
     lint.findings

@@ -249,7 +249,7 @@ fn a_border_acts_on_the_first_placement_of_its_name() {
                      surface the skin of `Slab`."
                 ), "{finding}");
                 assert!(finding.place.is_some());
-                assert!(detector.notes().iter().any(|note| note.contains("named `slab`")));
+                assert!(detector.warnings().iter().any(|note| note.contains("named `slab`")));
             }
         }
     }

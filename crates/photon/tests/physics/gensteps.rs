@@ -269,6 +269,22 @@ fn materials_without_scintillation_are_refused() {
     assert!(changed(|own| own.time = None).contains("has no SCINTILLATIONTIMECONSTANT1"));
 }
 
+/// A name for a number that no genstep has is reported if another number has none.
+#[test]
+fn unused_names_of_materials_are_reported() {
+    let detector = slab();
+    let steps = [Genstep { photons: 10, ..scintillation(None, 0.0, None) }];
+    let number = steps[0].material;
+    let name = detector.materials()[0].name.clone();
+    let notes = |names: &[u32]| {
+        let names = names.iter().map(|&number| (number, name.clone())).collect();
+        let evaluator = Packets::new(detector.program().clone());
+        Gensteps::new(&detector, &evaluator, &steps, &names).map(|own| own.notes().to_vec()).unwrap()
+    };
+    assert!(notes(&[number + 1])[0].starts_with(&format!("the material {} has a name", number + 1)));
+    assert!(notes(&[]).is_empty());
+}
+
 /// The layouts of Opticks and Geant4 hold the same steps.
 #[test]
 fn layouts_are_equal() {
@@ -287,6 +303,19 @@ fn layouts_are_equal() {
     assert_eq!(steps[0], Genstep { photons: 300, ..expected });
     let light = scintillation(Some(1), 6.0, None);
     assert_eq!(steps[1], Genstep { photons: 200, velocity: [225.0; 2], ..light });
+    // the kinds of JUNO have the same fields
+    let mut of_juno = opticks.clone();
+    (of_juno[0], of_juno[24]) = (bits(18), bits(5));
+    assert_eq!(from_opticks(&of_juno).unwrap(), steps);
+    let refused = |kind: f32| {
+        let mut changed = opticks.clone();
+        changed[24] = kind;
+        from_opticks(&changed).unwrap_err().to_string()
+    };
+    assert!(refused(bits(6)).starts_with("genstep 1 is of the kind 6"), "{}", refused(bits(6)));
+    assert!(refused(bits(6)).contains("use a source"), "{}", refused(bits(6)));
+    assert!(refused(bits(1)).contains("an older layout"), "{}", refused(bits(1)));
+    assert!(refused(16.0).contains("has the kind 16 as a floating-point number"), "{}", refused(16.0));
     // 1/beta from the mean velocity
     let mean = LIGHT_SPEED / 1.25;
     let common = [7.0, 300.0, -1.0, 40.0, mean + 10.0, -20.0, 13.0, 26.0, 26.0];

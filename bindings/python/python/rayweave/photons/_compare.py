@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave._table import Rows, Tabular
-from rayweave.photons._run import Histories, Hits
+from rayweave.photons._run import Histories, Hits, Sequences
 
 CompareRow: TypeAlias = tuple[
     tuple[str, str],
@@ -27,8 +27,8 @@ CompareRow: TypeAlias = tuple[
 ]
 """Names, numbers of photons, whether only hits are compared, z of their number; quantities; what is missing; pairs."""
 
-Sample: TypeAlias = "str | PathLike[str] | Histories | Hits | NDArray[np.generic]"
-"""A file, recorded steps, hits, or an array of Opticks."""
+Sample: TypeAlias = "str | PathLike[str] | Histories | Sequences | Hits | NDArray[np.generic]"
+"""A file, recorded histories, hits, or an array of Opticks."""
 
 
 @dataclass(frozen=True)
@@ -162,8 +162,8 @@ def compare(a: Sample, b: Sample, *, least: float = 5, flags: bool = False, hits
     ----------
     a, b
         Each a file (tables of histories, steps or hits of the command `rayweave photons`, .csv or .npy, or of the script for Geant4;
-        Opticks' photons (n, 4, 4) and sequences (n, 2, 2) as .npy), `run.histories` with recorded steps, `run.hits`, or an array
-        of Opticks.
+        Opticks' photons (n, 4, 4) and sequences (n, 2, 2) as .npy), `run.histories` with recorded steps or sequences,
+        `run.histories.sequences()`, `run.hits`, or an array of Opticks.
     least
         The expected number of photons of each run that a bin needs, at least 1. Histories with fewer are pooled by their common
         beginnings; the default is the rule of Cochran (1954).
@@ -214,6 +214,13 @@ def _path(sample: Sample, target: Path) -> Path:
     match sample:
         case str() | PathLike():
             return Path(sample)
+        case Histories() if sample.rows == 0:
+            return _path(sample.sequences(), target)
+        case Sequences():
+            if not sample.texts:
+                reason = 'a record of counts has no histories. Simulate with record="steps" or "sequences"'
+                raise _core.RayweaveError(f"the run cannot be compared: {reason}.")
+            np.save(target, sample.words)
         case Histories() | Hits():
             sample.save(target)
         case np.ndarray():

@@ -24,6 +24,9 @@ from rayweave.photons._tables import SurfaceTables
 #: Planck's constant times the speed of light, in eV nm (CODATA 2018, exact).
 _HC = 1239.841984332002
 
+#: The number of photons from which a run without hits is remarkable.
+_MANY = 100
+
 Numbers: TypeAlias = NDArray[np.float64]
 _Thing = TypeVar("_Thing", bound="_Described")
 Record: TypeAlias = Literal["counts", "sequences", "steps"]
@@ -274,8 +277,9 @@ class Detector:
 
     @property
     def warnings(self) -> list[str]:
-        """The warnings of the reader of the file, and energies that are not those of light."""
-        return [*self.compiled.warnings, *self.compiled.energy_warnings]
+        """The warnings of the reader of the file, energies that are not those of light, and border surfaces that name no placement or
+        one of several with the same name."""
+        return [*self.compiled.warnings, *self.compiled.optical_warnings]
 
     def check(self) -> Findings:
         """The probable mistakes in the optical part of the file, in the order of the rules: the findings `optical` and `unused` of the
@@ -372,7 +376,30 @@ class Detector:
         first, last = self._numbers(source, n, range)
         settings = _settings(seed, event, detect, max_steps, max_time, wls_time_profile, record, threads, device)
         self.check_source(source, seed=seed, event=event)
-        return self._run(source, (first, last), settings, progress)
+        run = self._run(source, (first, last), settings, progress)
+        run.notes = self._notes(run)
+        for note in run.notes:
+            warnings.warn(note, stacklevel=2)
+        return run
+
+    def _notes(self, run: Run) -> tuple[str, ...]:
+        """Sentences about a run that probably does not answer the question of its user."""
+        notes = []
+        if run.hits.rows == 0 and run.photons >= _MANY:
+            most, count = max(run.ends.items(), key=lambda end: end[1])
+            findings = self.compiled.findings()
+            mistakes = sum(kind == "optical" for kind, _, _ in findings)
+            notes.append(
+                f"no photon is detected: {count} of {run.photons} end as {most}. `check()` of the detector reports "
+                f"{mistakes or 'no'} probable mistake{'' if mistakes == 1 else 's'}; record=\"counts\" counts the processes at each surface."
+            )
+        stopped = run.ends["step_limit"]
+        if 2 * stopped > run.photons:
+            notes.append(
+                f"{stopped} of {run.photons} photons are stopped by the limit of steps: their light is never absorbed. Check the "
+                "absorption lengths and REFLECTIVITY, or raise max_steps."
+            )
+        return tuple(notes)
 
     def stream(
         self,
@@ -472,7 +499,7 @@ def load(
     array([1.79, 1.79])
     """
     compiled = _core.load_detector(path, _tables(tables), allow=list(allow), strict=strict)
-    for text in compiled.energy_warnings:
+    for text in compiled.optical_warnings:
         warnings.warn(text, stacklevel=2)
     file = Path(path)
     kept = file.read_text(encoding="utf-8", errors="surrogateescape")
@@ -496,7 +523,7 @@ def loads(
     # XML begins with an angle bracket, which no native model does
     is_native = not text.lstrip("\ufeff \t\r\n").startswith("<")
     compiled = _core.loads_detector(text, _tables(tables), allow=list(allow), strict=strict, native=is_native)
-    for warning in compiled.energy_warnings:
+    for warning in compiled.optical_warnings:
         warnings.warn(warning, stacklevel=2)
     return Detector(compiled, "detector", text, tables, is_native=is_native)
 

@@ -312,6 +312,7 @@ class Histories(_Named):
 
     def of(self, photon: int) -> Columns:
         """The rows of one photon, with the names of processes, volumes and surfaces."""
+        self._require_steps()
         rows = np.flatnonzero(self["photon"] == photon)
         columns = {name: self.named(name)[rows] if name in self.names else self[name][rows] for name in self}
         return Columns(columns, self.units)
@@ -319,6 +320,7 @@ class Histories(_Named):
     def save(self, path: str | PathLike[str]) -> None:
         """Writes the table of steps of the command `rayweave photons`, complete or not at all: .csv, .npy (with a table of
         names), or .parquet by pyarrow."""
+        self._require_steps()
         _save(self, self._compiled, path)
 
     def plot(self, plane: str | None = None) -> Drawing:
@@ -327,7 +329,13 @@ class Histories(_Named):
         `plane` is "yz", "xz", "xy", or a position along an axis such as "x=2.5"; by default the plane nearest to the tracks. Record the
         steps of a few hundred photons for a legible drawing.
         """
+        self._require_steps()
         return Drawing(self._compiled.tracks_svg(self._title, plane))
+
+    def _require_steps(self) -> None:
+        if self.rows == 0 and sum(self.processes.values()) > 0:
+            reason = "the run recorded sequences or counts alone"
+            raise _core.RayweaveError(f'the histories have no steps: {reason}. Simulate with record="steps".')
 
 
 class Run:
@@ -351,6 +359,9 @@ class Run:
         """The number of photons by way of ending; the sum is `photons`."""
         self.hits = Hits(compiled.hits, title)
         """The detected photons."""
+        self.notes: tuple[str, ...] = ()
+        """Sentences about a run of `simulate` without hits, or whose photons are mostly stopped by the limit of steps; `simulate` also
+        issues them as warnings."""
         self._histories = None if compiled.histories is None else Histories(compiled.histories, title)
 
     @property
