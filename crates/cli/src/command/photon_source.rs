@@ -37,8 +37,9 @@ pub struct SourceArguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     normal: Option<[f64; 3]>,
 
-    /// Volume of the sources `surface` and `volume`: all of its copies, without its daughters
-    #[arg(long, value_name = "NAME")]
+    /// Volume of the sources `surface` and `volume`, without its daughters: all of its copies, or those whose path ends with a path,
+    /// such as `Crystal[3]` or `Module[1]/Crystal`
+    #[arg(long, value_name = "NAME|PATH")]
     volume: Option<String>,
 
     /// Direction of the photons [default: all directions with equal probability]

@@ -1,5 +1,6 @@
 //! Sources of photons.
 
+mod copies;
 mod torch;
 mod volume;
 

@@ -266,5 +266,111 @@ fn unknown_and_thin_volumes_are_refused() {
     let detector = CLEAR.build();
     let evaluator = Packets::new(detector.program().clone());
     let unknown = SourceVolume::inside(&detector, &evaluator, "Slap").unwrap_err().to_string();
-    assert_eq!(unknown, "no volume is called `Slap`: the names are World, Slab. Did you mean `Slab`?");
+    assert_eq!(unknown, "no volume is called `Slap`: the names are Slab, World. Did you mean `Slab`?");
+}
+
+/// Two modules of three bars that touch and are turned by 30 degrees about z, so that their boxes overlap, and a fourth bar in a
+/// holder beside them.
+fn bars() -> Detector {
+    let bar = |k: u32| {
+        let along = 20.0 * (f64::from(k) - 1.0);
+        let (x, y) = (along * (PI / 6.0).cos(), along * (PI / 6.0).sin());
+        format!(
+            r#"<physvol name="bar{k}" copynumber="{k}"><volumeref ref="Bar"/><position name="b{k}" x="{x}" y="{y}" unit="mm"/>
+<rotation name="r{k}" z="-30" unit="deg"/></physvol>"#
+        )
+    };
+    let module = |k: u32, x: f64| {
+        format!(
+            r#"<physvol name="module{k}" copynumber="{k}"><volumeref ref="Module"/><position name="m{k}" x="{x}" unit="mm"/></physvol>"#
+        )
+    };
+    let volumes = format!(
+        r#"<volume name="Bar"><materialref ref="Inner"/><solidref ref="BarBox"/></volume>
+<volume name="Module"><materialref ref="Outer"/><solidref ref="ModuleBox"/>{}</volume>
+<volume name="Holder"><materialref ref="Outer"/><solidref ref="ModuleBox"/>
+<physvol name="alone"><volumeref ref="Bar"/></physvol></volume>
+<volume name="World"><materialref ref="Outer"/><solidref ref="WorldBox"/>{}{}
+<physvol name="holder"><volumeref ref="Holder"/><position name="h" y="300" unit="mm"/></physvol></volume>"#,
+        [0, 1, 2].map(bar).concat(),
+        module(4, -200.0),
+        module(7, 200.0)
+    );
+    let text = CLEAR.text();
+    let (first, rest) = text.split_once("<volume name=\"Slab\">").unwrap();
+    let (_, last) = rest.split_once("</structure>").unwrap();
+    let boxes = r#"<box name="BarBox" x="20" y="60" z="10" lunit="mm"/><box name="ModuleBox" x="150" y="150" z="50" lunit="mm"/>"#;
+    let first = first.replace("<box name=\"SlabBox\"", &format!("{boxes}<box name=\"SlabBox\""));
+    detector(&format!("{first}{volumes}</structure>{last}")).unwrap()
+}
+
+/// Points in the frame of a bar whose centre is at `along` times its width in the module at x.
+fn in_bar(places: &[Vec3], along: f64, x: f64) -> [Vec<f64>; 2] {
+    let (cosine, sine) = ((PI / 6.0).cos(), (PI / 6.0).sin());
+    let from_module = || places.iter().map(|p| *p - Vec3::new(x, 0.0, 0.0));
+    let u = from_module().map(|p| p.x * cosine + p.y * sine - 20.0 * along);
+    [u.collect(), from_module().map(|p| p.y * cosine - p.x * sine).collect()]
+}
+
+#[test]
+fn a_path_selects_copies() {
+    let detector = bars();
+    let evaluator = Packets::new(detector.program().clone());
+    let inside =
+        |path: &str| positions(&detector, SourceVolume::inside(&detector, &evaluator, path).unwrap());
+    for (path, along, x) in [("Module[4]/Bar[2]", 1.0, -200.0), ("Module[7]/Bar[1]", 0.0, 200.0)] {
+        let [u, v] = in_bar(&inside(path), along, x);
+        assert!(u.iter().all(|u| u.abs() < 10.0 + 1e-9), "{path}");
+        assert_distribution(u, uniform(-10.0, 10.0), path);
+        assert_distribution(v, uniform(-30.0, 30.0), path);
+    }
+    // several copies: one bar of each module, all bars of a module, and one that is placed once
+    let both = inside("Bar[0]");
+    assert_binomial(both.iter().filter(|p| p.x < 0.0).count() as u64, COUNT as u64, 0.5, "left module");
+    let [u, _] = in_bar(&inside("Module[7]/Bar"), 0.0, 200.0);
+    assert_distribution(u, uniform(-30.0, 30.0), "module");
+    let alone = inside("Holder/Bar");
+    assert_distribution(alone.iter().map(|p| p.y).collect(), uniform(270.0, 330.0), "holder");
+    let all = inside("Bar");
+    assert_binomial(all.iter().filter(|p| p.y > 150.0).count() as u64, COUNT as u64, 1.0 / 7.0, "all");
+    assert_eq!(inside("Module[7]/Bar"), inside("Module[7]/Bar"));
+}
+
+/// The faces of a selected copy by their areas; those towards other copies of a volume without a surface do not count.
+#[test]
+fn a_path_selects_the_boundary_of_copies() {
+    let detector = bars();
+    let evaluator = Packets::new(detector.program().clone());
+    let boundary =
+        |path: &str| positions(&detector, SourceVolume::boundary(&detector, &evaluator, path).unwrap());
+    let alone = boundary("Holder/Bar");
+    assert!(alone.iter().all(|p| p.x.abs() < 10.0 && (p.y - 300.0).abs() < 30.0 && p.z.abs() < 5.0));
+    let top = alone.iter().filter(|p| p.z > 5.0 - 2e-6).count() as u64;
+    // 20 x 60 of 2 (20 x 60 + 20 x 10 + 60 x 10)
+    assert_binomial(top, COUNT as u64, 1200.0 / 4000.0, "top");
+    let places = boundary("Module[4]/Bar[1]");
+    let [u, v] = in_bar(&places, 0.0, -200.0);
+    assert!(u.iter().all(|u| u.abs() < 10.0 + 1e-9) && v.iter().all(|v| v.abs() < 30.0 + 1e-9));
+    let top = places.iter().filter(|p| p.z > 5.0 - 2e-6).count() as u64;
+    assert_binomial(top, COUNT as u64, 1200.0 / 2800.0, "top of the middle bar");
+}
+
+#[test]
+fn unknown_copies_are_refused() {
+    let detector = bars();
+    let evaluator = Packets::new(detector.program().clone());
+    let refused = |path: &str| SourceVolume::inside(&detector, &evaluator, path).unwrap_err().to_string();
+    let unknown = refused("Module[4]/Bar[3]");
+    assert!(
+        unknown.starts_with("no copy of a volume is called `Module[4]/Bar[3]`: the names are "),
+        "{unknown}"
+    );
+    assert!(
+        unknown.contains("Module[4]/Bar[2], ") && unknown.contains("Did you mean `Module[4]/Bar["),
+        "{unknown}"
+    );
+    assert!(refused("bar0").ends_with(
+        "the names are Bar, Holder, Module, World. Did you mean `Bar`? A path as in tables of hits, such as \
+         Module[1]/Crystal[3], selects copies."
+    ), "{}", refused("bar0"));
 }

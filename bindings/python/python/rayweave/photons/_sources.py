@@ -237,6 +237,9 @@ def volume(
     """A volume of a detector: photons start with equal probability per volume in all copies of the volume `name`, without its
     daughters. The other arguments are those of `point`.
 
+    `name` may be a path, as `hits.sensor_paths` has it: "Crystal[3]" is the crystal with the copy number 3, "Module[1]/Crystal" all
+    crystals of one module. All copies whose own path ends with it are selected.
+
     Examples
     --------
     >>> import rayweave.photons
@@ -262,7 +265,8 @@ def surface(
     time_decay: float = 0.0,
 ) -> Source:
     """The boundary of a volume of a detector: photons start with equal probability per area, 1 nm inside the volume `name`, on its
-    faces towards its mother and its daughters. The other arguments are those of `point`.
+    faces towards its mother and its daughters. The other arguments are those of `point`, and `name` may be a path as that of
+    `volume`.
 
     >>> import rayweave.photons as rp
     >>> detector = rp.load("bar.gdml")
