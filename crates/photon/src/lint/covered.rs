@@ -48,9 +48,12 @@ impl<'a> Lint<'a> {
                     continue;
                 }
                 let skin = Skin { name, surface, volume };
-                let messages = self.closed_daughters(skin, &by_volume).into_iter();
-                let messages = messages.chain(self.closed_neighbours(skin, &by_volume));
-                found.extend(messages.map(|message| (Owner::new("skin", name), message)));
+                let mut messages = self.closed_daughters(skin, &by_volume);
+                messages.extend(self.closed_neighbours(skin, &by_volume));
+                if messages.is_empty() {
+                    messages.extend(self.closed_source(skin, &by_volume));
+                }
+                found.extend(messages.into_iter().map(|message| (Owner::new("skin", name), message)));
             }
         }
         found.into_iter().for_each(|(owner, message)| self.find(&owner, "", message));
@@ -110,9 +113,13 @@ impl<'a> Lint<'a> {
         let volumes = self.optics.volumes.regions.iter().filter(|(_, regions)| touches(regions));
         let mut volumes: Vec<&str> = volumes.map(|(name, _)| name.as_str()).collect();
         volumes.sort_unstable();
+        let mothers = self.around(&front);
         let mut messages = Vec::new();
         for volume in volumes {
+            // light that leaves a mother has no sensor before it because other daughters are sensors
+            let is_mother = self.regions_of(volume).iter().any(|region| mothers.contains(region));
             if by_volume.skins.contains_key(volume)
+                || is_mother && !self.is_sensor(volume)
                 || !self.is_clear_volume(volume)
                 || !self.is_opaque_before(skin, volume)
             {
@@ -146,6 +153,56 @@ impl<'a> Lint<'a> {
             messages.push(Message::new(problem, reason).suggest(advice));
         }
         messages
+    }
+
+    /// The message about a volume that emits light, of which its skin lets nothing out to a sensor. Light within a volume that emits
+    /// none comes from elsewhere, and its skin may be meant as a reflector for that.
+    fn closed_source(&self, skin: Skin<'_>, by_volume: &ByVolume<'_>) -> Option<Message> {
+        let (volume, surface) = (skin.volume, &self.optics.surfaces[skin.surface]);
+        let emits = |region: u32| {
+            let own = self.medium(region).and_then(|medium| self.optics.materials.get(medium));
+            own.is_some_and(|own| {
+                own.index.is_some() && !(own.scintillation.is_empty() && own.shifters.is_empty())
+            })
+        };
+        let is_source = self.regions_of(volume).into_iter().any(emits);
+        if !is_source || surface.detects() || self.contains_sensor(volume, by_volume) {
+            return None;
+        }
+        let is_open = |name: &str| {
+            let own = self.optics.surfaces.iter().find(|own| own.name == name);
+            own.is_none_or(|own| own.detects() || !own.is_opaque(false))
+        };
+        let daughters = self.daughters(volume, by_volume);
+        let mut skins = daughters.keys().filter_map(|daughter| by_volume.skins.get(daughter));
+        if skins.any(|(_, surface)| is_open(surface)) || self.border_surfaces(volume).any(is_open) {
+            return None;
+        }
+        let problem = format!(
+            "skin surface `{}` of volume `{volume}`, which emits light, lets no light out of it, and no sensor lies within",
+            skin.name
+        );
+        let reason = format!(
+            "the skin acts on all of its faces, as in Geant4, also on those beside other volumes, and nothing passes `{}`",
+            surface.name
+        );
+        let advice = format!(
+            "Add a border surface from {} to the volume that the light is meant to enter, for example a bare interface (polished, \
+             dielectric_dielectric, without properties).",
+            self.placements_of(volume)
+        );
+        Some(Message::new(problem, reason).suggest(advice))
+    }
+
+    /// The surfaces of the borders on the way out of a volume.
+    fn border_surfaces(&self, volume: &str) -> impl Iterator<Item = &str> {
+        let is_own = move |placement: Option<&str>| {
+            let list = placement.and_then(|name| self.optics.volumes.placements.get(name));
+            list.into_iter().flatten().any(|own| own.volume == volume)
+        };
+        let borders = self.table.list("border");
+        let from = |row: &Datum| row.list("placements").next().and_then(Datum::as_text).map(str::to_owned);
+        borders.filter(move |row| is_own(from(row).as_deref())).map(|row| row.text("surface"))
     }
 
     /// The name of a sensor that light enters from a volume alone, as far as lines have found contacts: a window or a layer of grease
@@ -194,6 +251,16 @@ impl<'a> Lint<'a> {
         };
         let is_same = media(skin.volume) == media(volume);
         self.optics.surfaces[skin.surface].is_opaque(is_same)
+    }
+
+    /// The regions around some regions.
+    fn around(&self, regions: &HashSet<u32>) -> HashSet<u32> {
+        let (mut found, mut waiting) = (HashSet::new(), Vec::from_iter(regions.iter().copied()));
+        while let Some(region) = waiting.pop() {
+            let mothers = self.optics.volumes.nested.iter().filter(|(_, daughter)| *daughter == region);
+            waiting.extend(mothers.map(|(mother, _)| *mother).filter(|mother| found.insert(*mother)));
+        }
+        found
     }
 
     fn is_clear_volume(&self, volume: &str) -> bool {

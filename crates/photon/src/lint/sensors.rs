@@ -182,7 +182,7 @@ impl Lint<'_> {
     }
 
     /// The surfaces with an efficiency in the file: an invalid one is a finding of its own.
-    fn with_efficiency(&self) -> HashSet<&str> {
+    pub(super) fn with_efficiency(&self) -> HashSet<&str> {
         let has = |row: &&Datum| row.get("properties").is_some_and(|own| own.get("EFFICIENCY").is_some());
         self.table.list("surface").filter(has).map(|row| row.text("name")).collect()
     }

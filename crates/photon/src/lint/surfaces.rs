@@ -2,10 +2,19 @@
 
 use super::state::Lint;
 use crate::detector::properties::Owner;
-use crate::surface::{SurfaceFinish, SurfaceModel, SurfaceType};
+use crate::surface::{OpticalSurface, SurfaceFinish, SurfaceModel, SurfaceType};
 use rayweave_error::Message;
 use rayweave_scene::Datum;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+
+/// True for a bare interface with a reflectivity like that of a wrapping. A surface that detects or transmits photons is meant to lose
+/// some, and with a reflectivity of 0 all of them.
+fn is_taken_for_reflector(surface: &OpticalSurface) -> bool {
+    let values = surface.reflectivity.as_ref().map(|table| table.values());
+    let is_between = values.is_some_and(|values| values.iter().any(|value| (0.5..1.0).contains(value)));
+    let is_plain = surface.efficiency.is_none() && surface.transmittance.is_none();
+    surface.finish == SurfaceFinish::Polished && is_between && is_plain
+}
 
 impl Lint<'_> {
     /// All rules about surfaces.
@@ -47,9 +56,45 @@ impl Lint<'_> {
                 self.find(&owner, "", message.suggest(advice));
             }
         }
+        self.interfaces();
         self.repeated_skins();
         self.competing();
         self.efficiencies();
+    }
+
+    /// Interfaces that act otherwise than their properties suggest: a back paint without the index of its gap, one whose polished face
+    /// reflects diffusely, and a reflectivity that is no reflector.
+    fn interfaces(&mut self) {
+        let skins: HashSet<&str> = self.table.list("skin").map(|row| row.text("surface")).collect();
+        for surface in self.optics.surfaces.iter().filter(|own| own.kind == SurfaceType::DielectricDielectric)
+        {
+            let owner = Owner::new("surface", &surface.name);
+            if surface.finish.is_back_painted() && surface.index.is_none() {
+                let problem = format!("{owner} has a back-painted finish and no `RINDEX`");
+                let reason = "all photons end on reaching it (`no_index`; `NoRINDEX` in Geant4), since the gap in front of the \
+                              paint has no index";
+                let advice = "Add RINDEX, 1 for a gap of air.";
+                self.find(&owner, "", Message::new(problem, reason).suggest(advice));
+            }
+            if surface.finish == SurfaceFinish::PolishedBackPainted
+                && surface.model == SurfaceModel::Unified
+                && [&surface.spike, &surface.lobe, &surface.backscatter].iter().all(|own| own.is_none())
+            {
+                let problem = format!("{owner} is polished and reflects diffusely");
+                let reason = "without SPECULARSPIKECONSTANT, SPECULARLOBECONSTANT and BACKSCATTERCONSTANT all Fresnel and total \
+                              reflections of the unified model are Lambertian, as in Geant4";
+                let advice = "Add SPECULARSPIKECONSTANT, 1 for a polished face.";
+                self.find(&owner, "", Message::new(problem, reason).suggest(advice));
+            }
+            if skins.contains(surface.name.as_str()) && is_taken_for_reflector(surface) {
+                let problem = format!("`REFLECTIVITY` of {owner} makes no reflector");
+                let reason = "at a polished interface of two dielectrics it is 1 minus the loss, as in Geant4: the other photons \
+                              are refracted or reflected by Fresnel's equations, and pass";
+                let advice =
+                    "For a wrapping use the type dielectric_metal, or a front- or back-painted finish.";
+                self.find(&owner, "REFLECTIVITY", Message::new(problem, reason).suggest(advice));
+            }
+        }
     }
 
     /// Several skins of one volume.
@@ -90,7 +135,8 @@ impl Lint<'_> {
                 (row.text("name"), row.text("surface"), placements)
             })
             .collect();
-        let mut found = Vec::new();
+        // one finding for the borders of a surface beside the same skin: copies of a volume have one each
+        let mut found: Vec<([&str; 3], &str, [&str; 2], usize)> = Vec::new();
         for (name, surface, placements) in &borders {
             let [first, second] = placements[..] else { continue };
             let is_reverse = |other: &&(&str, &str, Vec<&str>)| other.2[..] == [second, first];
@@ -114,18 +160,29 @@ impl Lint<'_> {
                 let (skin, own) = skins.get(volume)?;
                 (own != surface).then_some((volume, *skin))
             });
-            if let Some((volume, skin)) = skin {
-                let problem = format!("two optical surfaces lie between placements `{first}` and `{second}`");
-                let reason = format!(
-                    "border surface `{name}` acts on light from `{first}` to `{second}`, skin surface `{skin}` of volume \
-                     `{volume}` on light in the other direction"
-                );
-                let advice =
-                    "If one surface is meant for both directions, add a border from the second to the first.";
-                found.push((Owner::new("border", *name), Message::new(problem, reason).suggest(advice)));
+            let Some((volume, skin)) = skin else { continue };
+            let kind = [*surface, skin, volume];
+            match found.iter_mut().find(|(own, ..)| *own == kind) {
+                Some((.., more)) => *more += 1,
+                None => found.push((kind, *name, [first, second], 0)),
             }
         }
-        found.into_iter().for_each(|(owner, message)| self.find(&owner, "", message));
+        let findings = found.into_iter().map(|([_, skin, volume], name, [first, second], more)| {
+            let places = match more {
+                0 => String::new(),
+                more => format!(", and in {more} more place{}", if more == 1 { "" } else { "s" }),
+            };
+            let problem =
+                format!("two optical surfaces lie between placements `{first}` and `{second}`{places}");
+            let reason = format!(
+                "border surface `{name}` acts on light from `{first}` to `{second}`, skin surface `{skin}` of volume `{volume}` on \
+                 light in the other direction"
+            );
+            let advice = "If one surface is meant for both directions, add a border from the second to the first.";
+            (Owner::new("border", name), Message::new(problem, reason).suggest(advice))
+        });
+        let findings: Vec<(Owner, Message)> = findings.collect();
+        findings.into_iter().for_each(|(owner, message)| self.find(&owner, "", message));
     }
 
     /// Surfaces with an efficiency whose volumes have no sensor.

@@ -51,7 +51,13 @@ impl Lint<'_> {
     }
 
     /// Materials without an index next to optical ones, without a surface between them.
+    ///
+    /// A volume that detects light from one side, such as a chip behind a border surface with an efficiency, absorbs that from the others.
     fn missing_indices(&mut self) {
+        let detecting = self.with_efficiency();
+        let borders = self.table.list("border").filter(|row| detecting.contains(row.text("surface")));
+        let detecting: BTreeSet<u32> =
+            borders.flat_map(|row| self.optics.volumes.behind_border(row)).collect();
         let mut beside: BTreeMap<usize, BTreeSet<String>> = BTreeMap::new();
         for &(mother, daughter) in self.optics.volumes.nested.iter().chain(self.contacts.keys()) {
             let (Some(outer), Some(inner)) = (self.medium(mother), self.medium(daughter)) else { continue };
@@ -61,7 +67,8 @@ impl Lint<'_> {
                     (false, true) => (inner, daughter, outer, mother),
                     _ => continue,
                 };
-            if clear != opaque && !self.optics.boundaries.has_surface(clear_region, opaque_region) {
+            let is_joined = self.optics.boundaries.has_surface(clear_region, opaque_region);
+            if clear != opaque && !is_joined && !detecting.contains(&opaque_region) {
                 beside.entry(opaque).or_default().insert(self.region_name(clear_region).to_owned());
             }
         }

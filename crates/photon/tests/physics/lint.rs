@@ -430,6 +430,165 @@ fn skins_are_judged_by_the_volumes_that_touch() {
     assert!(own.iter().all(|finding| finding.is_unused), "{own:#?}");
 }
 
+/// Interfaces that do not do what their properties suggest, each with the number of photons of 2,000 that end or pass as the
+/// message states: they start in glass and meet the surface at 60 degrees, beyond the critical angle, or at 11 degrees.
+#[test]
+fn interfaces_without_the_properties_of_their_finish_are_named() {
+    let surface = |finish: &str, properties: &str| {
+        format!(
+            r#"<opticalsurface name="S" model="unified" finish="{finish}" type="dielectric_dielectric" value="0">{properties}</opticalsurface>"#
+        )
+    };
+    let about = |surfaces: &str| {
+        let slab = SlabDetector { surfaces, links: SKIN, ..CLEAR };
+        findings(&slab.text())
+            .into_iter()
+            .filter(|own| !own.is_unused)
+            .map(|own| own.to_string())
+            .collect::<Vec<_>>()
+    };
+    let ends = |surfaces: &str, direction: rayweave_math::Vec3, end: rayweave_photon::End| {
+        let detector = SlabDetector { surfaces, links: SKIN, ..CLEAR }.build();
+        let photon = rayweave_photon::Photon {
+            position: rayweave_math::Vec3::new(0.0, 0.0, 50.0),
+            direction: direction.normalize(),
+            polarisation: rayweave_math::Vec3::Y,
+            energy: 3e-6,
+            time: 0.0,
+        };
+        let source = rayweave_photon::Source::Photons(vec![photon; 2000]);
+        let run =
+            crate::run(&detector, &source, &crate::RunSettings { max_steps: 1, ..crate::settings(2000) });
+        crate::count(&run, end)
+    };
+    let steep = rayweave_math::Vec3::new(0.2, 0.0, 1.0);
+    let (index, spike) =
+        (r#"<property name="RINDEX" ref="ONE"/>"#, r#"<property name="SPECULARSPIKECONSTANT" ref="ONE"/>"#);
+    let loss = r#"<property name="REFLECTIVITY" ref="HALF"/>"#;
+    for finish in ["polishedbackpainted", "groundbackpainted"] {
+        let closed = surface(finish, spike);
+        let [one] = about(&closed).try_into().unwrap();
+        assert!(one.contains("`S` has a back-painted finish and no `RINDEX`: all photons end"), "{one}");
+        assert_eq!(ends(&closed, steep, rayweave_photon::End::NoIndex), 2000);
+        assert_eq!(about(&surface(finish, &format!("{index}{spike}"))), Vec::<String>::new());
+    }
+    let [diffuse] = about(&surface("polishedbackpainted", &format!("{index}{loss}"))).try_into().unwrap();
+    assert!(diffuse.contains("`S` is polished and reflects diffusely"), "{diffuse}");
+    assert!(diffuse.ends_with("Add SPECULARSPIKECONSTANT, 1 for a polished face."), "{diffuse}");
+    // rough faces are meant to be diffuse
+    assert_eq!(about(&surface("groundbackpainted", &format!("{index}{loss}"))), Vec::<String>::new());
+    let [bare] = about(&surface("polished", loss)).try_into().unwrap();
+    assert!(bare.contains("`REFLECTIVITY` of optical surface `S` makes no reflector"), "{bare}");
+    // a detector, paint and a surface that absorbs everything
+    let efficiency = r#"<property name="EFFICIENCY" ref="HALF"/>"#;
+    let black = r#"<property name="REFLECTIVITY" ref="ZERO"/>"#;
+    let is_named = |surfaces: &str| about(surfaces).iter().any(|text| text.contains("makes no reflector"));
+    assert!(!is_named(&surface("polished", &format!("{loss}{efficiency}"))));
+    assert!(!is_named(&surface("polished", black)) && !is_named(&surface("groundfrontpainted", loss)));
+}
+
+/// A wrapped crystal that reaches to the face of its module: light leaves it into the world there, which is no sensor although
+/// it contains one.
+#[test]
+fn a_world_around_sensors_is_no_sensor() {
+    let text = |crystal: &str| {
+        tank(&(skin("black", "Paint", "Tank") + &skin("cathode", "Cathode", "Sensor")))
+            .replace(r#""World"><materialref ref="Black"/>"#, r#""World"><materialref ref="Liquid"/>"#)
+            .replace(
+                r#"<physvol name="tank"><volumeref ref="Tank"/></physvol>"#,
+                r#"<physvol name="module"><volumeref ref="Module"/></physvol>"#,
+            )
+            .replace(
+                r#"<volume name="World">"#,
+                &format!(
+                    r#"<volume name="Module"><materialref ref="Liquid"/><solidref ref="ModuleBox"/>
+<physvol name="tank"><volumeref ref="Tank"/>{crystal}</physvol></volume><volume name="World">"#
+                ),
+            )
+            .replace("<solids>", r#"<solids><box name="ModuleBox" x="120" y="120" z="300" lunit="mm"/>"#)
+    };
+    for crystal in ["", r#"<position name="m" x="30" unit="mm"/>"#] {
+        let all = findings(&text(crystal));
+        assert!(all.iter().all(|own| !own.to_string().contains("the sensor `World`")), "{all:#?}");
+    }
+}
+
+/// A scintillator with paint on all faces, also on the one beside a light guide: in a clear world the sensor sees other light as well,
+/// so that the guide is not its only way.
+#[test]
+fn painted_scintillators_without_a_way_out_are_named() {
+    let glow = r#"<property name="RINDEX" ref="WATER"/><property name="SCINTILLATIONCOMPONENT1" ref="QUARTER"/>
+<property name="RESOLUTIONSCALE" ref="YES"/></material>
+<material name="Clear"><D value="1"/><fraction n="1" ref="H"/><property name="RINDEX" ref="WATER"/></material>"#;
+    let text = |links: &str| {
+        tank(&(skin("paint", "Paint", "Tank") + links))
+            .replace(r#"<property name="RINDEX" ref="WATER"/></material>"#, glow)
+            .replace("</define>", r#"<matrix name="YES" coldim="1" values="1"/></define>"#)
+            .replace(r#""World"><materialref ref="Black"/>"#, r#""World"><materialref ref="Clear"/>"#)
+            .replace(r#"z="151" "#, r#"z="161" "#)
+            .replace("<solids>", r#"<solids><opticalsurface name="Bond" model="glisur" finish="polished" type="dielectric_dielectric" value="1"/>
+<box name="GuideBox" x="100" y="100" z="10" lunit="mm"/>"#)
+            .replace(r#"<volume name="Sensor">"#, r#"<volume name="Guide"><materialref ref="Clear"/><solidref ref="GuideBox"/></volume><volume name="Sensor">"#)
+            .replace(r#"<physvol name="tank">"#, r#"<physvol name="guide"><volumeref ref="Guide"/><position name="g" z="155" unit="mm"/></physvol><physvol name="tank">"#)
+    };
+    let cathodes = skin("cathode", "Cathode", "Sensor");
+    let mistakes = |text: &str| findings(text).into_iter().filter(|own| !own.is_unused).collect::<Vec<_>>();
+    let [one] = mistakes(&text(&cathodes)).try_into().unwrap();
+    assert!(
+        one.to_string()
+            .contains("skin surface `paint` of volume `Tank`, which emits light, lets no light out"),
+        "{one}"
+    );
+    assert!(one.to_string().contains("Add a border surface from `tank` to"), "{one}");
+    assert_eq!(hits(&text(&cathodes)).0, 0);
+    let bond = r#"<bordersurface name="b" surfaceproperty="Bond"><physvolref ref="tank"/><physvolref ref="guide"/></bordersurface>
+<bordersurface name="c" surfaceproperty="Bond"><physvolref ref="guide"/><physvolref ref="tank"/></bordersurface>"#;
+    assert_eq!(mistakes(&text(&(cathodes.clone() + bond))), []);
+    assert!(hits(&text(&(cathodes.clone() + bond))).0 > 500);
+    // without emission the paint may be meant for light from outside
+    let dark = text(&cathodes)
+        .replace(r#"<property name="SCINTILLATIONCOMPONENT1" ref="QUARTER"/>"#, "")
+        .replace(r#"<property name="RESOLUTIONSCALE" ref="YES"/>"#, "");
+    assert_eq!(mistakes(&dark), []);
+}
+
+/// A chip that detects light from a crystal through a border surface absorbs that from the gap around it.
+#[test]
+fn chips_behind_borders_may_absorb_other_light() {
+    let clear = |links: &str| {
+        tank(links).replace(r#""World"><materialref ref="Black"/>"#, r#""World"><materialref ref="Liquid"/>"#)
+    };
+    let about = |links: &str| {
+        let all = findings(&clear(links));
+        all.iter().map(ToString::to_string).filter(|text| text.contains("has no `RINDEX`: photons")).count()
+    };
+    let borders: String = (0..4).map(cathode).collect();
+    assert_eq!((about(&borders), about("")), (0, 1));
+}
+
+/// The borders of copies of a volume are one finding.
+#[test]
+fn borders_of_copies_are_one_finding() {
+    let borders: String = (0..4).map(cathode).collect();
+    let clear = tank(&(skin("wrap", "Paint", "Sensor") + &borders)).replace(
+        r#"name="Sensor"><materialref ref="Black"/>"#,
+        r#"name="Sensor"><materialref ref="Liquid"/>"#,
+    );
+    let all = findings(&clear);
+    let texts: Vec<String> = all.iter().map(ToString::to_string).collect();
+    let [one] = texts
+        .into_iter()
+        .filter(|text| text.contains("two optical surfaces"))
+        .collect::<Vec<_>>()
+        .try_into()
+        .unwrap();
+    assert!(
+        one.contains("lie between placements `tank` and `s0`, and in 3 more places: border surface `c0` acts on light from \
+                      `tank` to `s0`, skin surface `wrap`"),
+        "{one}"
+    );
+}
+
 #[test]
 fn borders_of_unknown_placements_are_mistakes() {
     for (name, advice) in [
