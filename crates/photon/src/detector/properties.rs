@@ -156,7 +156,29 @@ impl PropertyReader {
 /// The properties that state how many photons a particle emits; photons do not depend on them.
 const YIELDS: [&str; 2] = ["SCINTILLATIONYIELD", "RESOLUTIONSCALE"];
 
-const OF_YIELDS: &str = "SCINTILLATIONYIELD and RESOLUTIONSCALE have no effect: numbers of scintillation photons come from the source.";
+const OF_YIELDS: &str = "SCINTILLATIONYIELD and RESOLUTIONSCALE have no effect: numbers of scintillation photons come from the source, \
+                         -n or gensteps. The mean is SCINTILLATIONYIELD times the deposited energy.";
+
+/// The reason for the lack of an effect of a property, and the advice.
+fn without_effect(name: &str) -> (&'static str, Option<&'static str>) {
+    match name {
+        "SCINTILLATIONYIELD" | "RESOLUTIONSCALE" => (
+            "the source gives the number of scintillation photons",
+            Some(
+                "Their mean is SCINTILLATIONYIELD times the deposited energy: state it with -n or in gensteps.",
+            ),
+        ),
+        // of two independent processes with the lengths l and m, the first one comes first with the probability m / (l + m)
+        "REEMISSIONPROB" => (
+            "it is a property of Opticks, which Geant4 does not have either",
+            Some(
+                "For the probability p and the length L of ABSLENGTH, set ABSLENGTH to L/(1-p), WLSABSLENGTH to L/p, WLSCOMPONENT to \
+                 the emission spectrum and WLSTIMECONSTANT to its decay time, with --wls-time-profile exponential.",
+            ),
+        ),
+        _ => ("no process of this version uses it", None),
+    }
+}
 
 /// The properties of Geant4 that a misspelt name may mean.
 const KNOWN: [&str; 44] = [
@@ -380,11 +402,13 @@ impl Properties<'_> {
         let Properties { reader, owner, rest, .. } = self;
         for (name, _) in rest {
             let problem = format!("{owner}: the property `{name}` is ignored");
-            let note = Message::new(problem, "no process of this version uses it");
+            let (reason, advice) = without_effect(&name);
+            let note = Message::new(problem, reason);
             let near = did_you_mean(&name, KNOWN).filter(|_| !KNOWN.contains(&name.as_str()));
-            let note = match near {
-                Some(near) => note.suggest(format!("Did you mean `{near}`?")),
-                None => note,
+            let note = match (advice, near) {
+                (Some(advice), _) => note.suggest(advice),
+                (None, Some(near)) => note.suggest(format!("Did you mean `{near}`?")),
+                (None, None) => note,
             };
             let span = Span::default();
             reader.notes.push(Remark { owner: owner.clone(), property: name, message: note, span });

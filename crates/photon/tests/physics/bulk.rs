@@ -4,7 +4,7 @@ use crate::history::record;
 use crate::{CLEAR, SlabDetector, assert_binomial, assert_distribution, beam, count, run, settings, uniform};
 use rayweave_math::Vec3;
 use rayweave_photon::property::LIGHT_SPEED;
-use rayweave_photon::{End, Process, RunSettings, StepRow, TimeProfile};
+use rayweave_photon::{End, Process, RunSettings, Source, StepRow, TimeProfile, Torch};
 use std::f64::consts::PI;
 
 const COUNT: usize = 20_000;
@@ -52,6 +52,33 @@ fn scattering_has_its_mean_free_path() {
         // 1 % scatter once within 100 mm of a free path of 10 m; of those a few scatter again on longer ways
         assert_binomial(run.steps - straight, COUNT as u64, 0.01, name);
     }
+}
+
+/// The re-emission probability of Opticks as two absorption lengths, L/(1-p) and L/p: photons of a source go the mean distance L,
+/// and each is re-emitted n times with the probability (1-p) p^n, p/(1-p) times on average with the variance p/(1-p)^2.
+#[test]
+fn a_probability_of_reemission_is_two_lengths() {
+    let (length, probability) = (4.0, 0.6);
+    let matrices = format!(
+        r#"<matrix name="ABSORBED" coldim="2" values="1*eV {0} 10*eV {0}"/><matrix name="SHIFTED" coldim="2" values="1*eV {1} 10*eV {1}"/>
+<matrix name="EMITTED" coldim="2" values="2*eV 1 2.5*eV 1"/>"#,
+        length / (1.0 - probability),
+        length / probability
+    );
+    let inner = r#"<property name="RINDEX" ref="ONE"/><property name="ABSLENGTH" ref="ABSORBED"/>
+<property name="WLSABSLENGTH" ref="SHIFTED"/><property name="WLSCOMPONENT" ref="EMITTED"/>"#;
+    let slab = SlabDetector { matrices: &matrices, inner, ..CLEAR };
+    let middle = Vec3::new(0.0, 0.0, 50.0);
+    let source = Source::Torch(Torch::point(middle, 420.0).unwrap());
+    let (run, histories) = record(&slab.build(), &source, &settings(COUNT));
+    assert!(count(&run, End::Absorbed) + 5 > COUNT as u64);
+    let mean = histories.processes[&Process::Reemission] as f64 / COUNT as f64;
+    let expected = probability / (1.0 - probability);
+    let deviation = (probability / COUNT as f64).sqrt() / (1.0 - probability);
+    assert!((mean - expected).abs() < 5.0 * deviation, "{mean}, expected {expected}");
+    let first = histories.steps.iter().filter(|row| row.track == row.photon && row.step == 1);
+    let paths = first.map(|row| (row.position - middle).length()).collect();
+    assert_distribution(paths, |path| 1.0 - (-path / length).exp(), "path");
 }
 
 /// Wavelength shifting: absorption, and emission of one photon of a lower energy after the time constant.
