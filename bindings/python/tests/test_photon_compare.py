@@ -63,6 +63,31 @@ def test_arrays_of_opticks(bar):
     assert flags["history"].bins[0].label.startswith("TO ")
 
 
+def test_recorded_sequences_are_compared(bar):
+    def run(seed, record):
+        return bar.simulate(rp.point([0, 0, 0], 550), n=2000, seed=seed, record=record).histories
+
+    own, other = run(1, "sequences"), run(2, "sequences")
+    for a in (own, own.sequences()):
+        found = rp.compare(a, other)
+        assert found.photons == (2000, 2000) and found["history"].p > 1e-3
+    # sequences of the same photons are those of the steps
+    same = rp.compare(own, run(1, "steps"), flags=True)
+    assert same["history"].chi2 == 0 and same["history"].ndf > 5
+    with pytest.raises(RayweaveError, match='a record of counts has no histories'):
+        rp.compare(own, run(2, "counts"))
+
+
+def test_hits_are_fractions_of_the_photons(bar):
+    a, b = (bar.simulate(rp.point([0, 0, 0], 550), n=n, seed=n).hits for n in (2000, 6000))
+    z = rp.compare(a, b, photons=(2000, 6000)).hits_z
+    pooled = (a.rows + b.rows) / 8000
+    expected = (a.rows / 2000 - b.rows / 6000) / (pooled * (1 - pooled) * (1 / 2000 + 1 / 6000)) ** 0.5
+    assert z == pytest.approx(expected) and abs(z) < 4 < abs(rp.compare(a, b).hits_z)
+    with pytest.raises(RayweaveError, match="5 photons are stated"):
+        rp.compare(a, b, photons=(2000, 5))
+
+
 def test_errors(bar, tmp_path):
     with pytest.raises(FileNotFoundError, match="no such file"):
         rp.compare(tmp_path / "a.csv", tmp_path / "b.csv")

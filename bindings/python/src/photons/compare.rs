@@ -19,7 +19,7 @@ type Row = ((String, String), (u64, u64), bool, f64, Vec<Quantity>, Vec<String>,
 
 /// Compares two files of photons: see `rayweave.photons.compare`.
 #[pyfunction]
-#[pyo3(signature = (a, b, least, flags, hits) -> "CompareRow")]
+#[pyo3(signature = (a, b, least, flags, hits, photons) -> "CompareRow")]
 pub fn compare_photons(
     py: Python<'_>,
     a: PathBuf,
@@ -27,11 +27,12 @@ pub fn compare_photons(
     least: f64,
     flags: bool,
     hits: bool,
+    photons: Option<[u64; 2]>,
 ) -> PyResult<Row> {
     require_file(&a)?;
     require_file(&b)?;
     abandonable(py, move || {
-        let options = CompareOptions { least, flags, hits };
+        let options = CompareOptions { least, flags, hits, photons };
         let (a, b) = (read_sample(&a).map_err(bad_value)?, read_sample(&b).map_err(bad_value)?);
         compare(&a, &b, &options).map(row).map_err(bad_value)
     })?

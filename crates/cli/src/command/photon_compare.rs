@@ -21,6 +21,7 @@ use std::path::PathBuf;
 Examples:
   rayweave photons detector.gdml --at 0,0,0 --wavelength 420 -n 100000 --histories ours.csv
   rayweave photons compare ours.csv geant4.csv
+  rayweave photons compare hits.csv geant4hits.csv --photons 100000 20000
   rayweave photons compare ours.csv seq.npy --json")]
 pub struct PhotonCompare {
     /// The first run
@@ -41,6 +42,10 @@ pub struct PhotonCompare {
     #[arg(long)]
     hits: bool,
 
+    /// Numbers of simulated photons of A and B, for a comparison of hits: tables of hits do not have them [default: equal numbers]
+    #[arg(long, value_name = "N", num_args = 2, value_names = ["N", "M"], value_parser = crate::arguments::any_count::<u64>)]
+    photons: Option<Vec<u64>>,
+
     /// Number of bins to print for each quantity: those with the largest differences
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = crate::arguments::any_count::<usize>)]
     bins: usize,
@@ -53,7 +58,8 @@ pub struct PhotonCompare {
 impl PhotonCompare {
     pub fn run(&self) -> Result<(), Failure> {
         let (a, b) = (read_sample(&self.a)?, read_sample(&self.b)?);
-        let options = CompareOptions { least: self.least, flags: self.flags, hits: self.hits };
+        let photons = self.photons.as_deref().and_then(|own| <[u64; 2]>::try_from(own).ok());
+        let options = CompareOptions { least: self.least, flags: self.flags, hits: self.hits, photons };
         let comparison = compare(&a, &b, &options)?;
         terminal::print(&match self.json {
             true => format!("{:#}\n", as_json(&comparison)),
@@ -67,7 +73,11 @@ impl PhotonCompare {
         let mut text = format!("A {a}: {n} {what}\nB {b}: {m} {what}\n");
         if comparison.is_hits {
             let z = terminal::short3(comparison.hits_z);
-            text += &format!("number of hits: z {z}, if A and B have equal numbers of photons\n");
+            let of_photons = match self.photons.as_deref() {
+                Some(&[n, m]) => format!("as fractions of {n} and {m} photons"),
+                _ => "if A and B have equal numbers of photons; --photons N M states others".to_owned(),
+            };
+            text += &format!("number of hits: z {z}, {of_photons}\n");
         }
         let header = ["quantity", "A", "B", "chi2", "ndf", "chi2/ndf", "p", "z"];
         let rows: Vec<Vec<String>> = comparison.quantities.iter().map(row).collect();

@@ -27,12 +27,14 @@ pub struct CompareOptions {
     pub flags: bool,
     /// Compares detected photons alone.
     pub hits: bool,
+    /// The numbers of photons of the two runs, for a comparison of hits: tables of hits do not have them. `None` for equal numbers.
+    pub photons: Option<[u64; 2]>,
 }
 
 impl Default for CompareOptions {
     /// 5 expected photons, the rule of Cochran (Biometrics 10, 1954, 417).
     fn default() -> CompareOptions {
-        CompareOptions { least: 5.0, flags: false, hits: false }
+        CompareOptions { least: 5.0, flags: false, hits: false, photons: None }
     }
 }
 
@@ -45,8 +47,9 @@ pub struct Comparison {
     pub photons: [u64; 2],
     /// Whether only detected photons are compared.
     pub is_hits: bool,
-    /// The difference of the numbers of hits in standard deviations, in a comparison of hits: for runs of equal numbers of photons,
-    /// (A - B) / sqrt(A + B); 0 otherwise.
+    /// The difference of the numbers of hits in standard deviations, in a comparison of hits, else 0: (A - B) / sqrt(A + B) for runs of
+    /// equal numbers of photons, or the difference of the fractions of the [numbers of photons](CompareOptions::photons), of a binomial
+    /// distribution.
     pub hits_z: f64,
     /// The quantities that both samples have.
     pub quantities: Vec<ComparedQuantity>,
@@ -84,7 +87,7 @@ pub fn compare(
         names: [a.name.clone(), b.name.clone()],
         photons: [a.photons(), b.photons()],
         is_hits,
-        hits_z: hits_z([a, b], is_hits),
+        hits_z: hits_z([a, b], is_hits, options.photons)?,
         quantities: Vec::new(),
         missing: Vec::new(),
         pairs: None,
@@ -111,10 +114,25 @@ fn reduced(sample: &PhotonSample, is_hits: bool, flags: bool) -> Cow<'_, PhotonS
     }
 }
 
-/// The difference of the numbers of hits of two Poisson samples.
-fn hits_z([a, b]: [&PhotonSample; 2], is_hits: bool) -> f64 {
-    let (a, b) = (a.tracks.len() as f64, b.tracks.len() as f64);
-    if is_hits { (a - b) / libm::sqrt(a + b) } else { 0.0 }
+/// The difference of the numbers of hits of two Poisson samples, or of the fractions of photons with hits.
+fn hits_z(samples: [&PhotonSample; 2], is_hits: bool, photons: Option<[u64; 2]>) -> Result<f64, PhotonError> {
+    let Some(photons) = photons else {
+        let [a, b] = samples.map(|sample| sample.tracks.len() as f64);
+        return Ok(if is_hits { (a - b) / libm::sqrt(a + b) } else { 0.0 });
+    };
+    if !is_hits {
+        let reason = "it belongs to a comparison of hits";
+        let message = Message::new("the numbers of photons have no effect", reason);
+        return Err(PhotonError::Setting(message.suggest("Compare the hits alone, or leave them out.")));
+    }
+    let detected = samples.map(PhotonSample::photons);
+    for ((sample, &photons), detected) in samples.into_iter().zip(&photons).zip(detected) {
+        if photons < detected {
+            let problem = format!("{} has hits of {detected} photons", sample.name);
+            return Err(PhotonError::setting(problem, format!("{photons} photons are stated")));
+        }
+    }
+    Ok(fraction_z(detected, photons))
 }
 
 impl Comparison {

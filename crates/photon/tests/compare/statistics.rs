@@ -197,6 +197,29 @@ fn tracks_of_a_photon_are_one_history() {
     assert_eq!(comparison.quantity("end").unwrap().totals, [300, 300]);
 }
 
+/// The z of two fractions: 400 of 10,000 and 90 of 2,000, with the pooled fraction 490 / 12,000.
+#[test]
+fn hits_are_compared_as_fractions_of_the_photons() {
+    let hits = |name: &str, count: usize| {
+        let tracks = (0..count).map(|k| SampleTrack { photon: k as i64, ..SampleTrack::default() });
+        let own = sample(name, tracks.collect());
+        PhotonSample { alphabet: None, volumes: None, is_hits: true, has_times: true, ..own }
+    };
+    let (a, b) = (hits("a", 400), hits("b", 90));
+    let z = |photons: Option<[u64; 2]>| {
+        let options = CompareOptions { photons, ..CompareOptions::default() };
+        compare(&a, &b, &options).map(|found| found.hits_z).map_err(|error| error.to_string())
+    };
+    let pooled = 490.0 / 12_000.0;
+    let expected = (0.04 - 0.045) / f64::sqrt(pooled * (1.0 - pooled) * (1.0 / 10_000.0 + 1.0 / 2_000.0));
+    assert!((z(Some([10_000, 2_000])).unwrap() - expected).abs() < 1e-12);
+    assert!((z(None).unwrap() - 310.0 / f64::sqrt(490.0)).abs() < 1e-12);
+    assert_eq!(z(Some([10_000, 80])).unwrap_err(), "b has hits of 90 photons: 80 photons are stated.");
+    let all = geometric(1, 100);
+    let options = CompareOptions { photons: Some([100, 100]), ..CompareOptions::default() };
+    assert!(compare(&all, &all, &options).unwrap_err().to_string().contains("have no effect"));
+}
+
 /// Invalid options and empty samples are errors.
 #[test]
 fn errors() {

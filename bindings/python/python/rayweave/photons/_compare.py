@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave._table import Rows, Tabular
+from rayweave._whole import whole
 from rayweave.photons._run import Histories, Hits, Sequences
 
 CompareRow: TypeAlias = tuple[
@@ -117,7 +118,8 @@ class Comparison(Tabular):
     is_hits: bool
     """Whether only detected photons are compared."""
     hits_z: float
-    """The difference of the numbers of hits in standard deviations, if only hits are compared: for equal numbers of photons."""
+    """The difference of the numbers of hits in standard deviations, if only hits are compared: for equal numbers of photons, or
+    as fractions of the `photons` that were given."""
     quantities: dict[str, Quantity]
     """By name: what both runs have."""
     missing: tuple[str, ...]
@@ -155,7 +157,15 @@ class Comparison(Tabular):
         return "\n".join(lines)
 
 
-def compare(a: Sample, b: Sample, *, least: float = 5, flags: bool = False, hits: bool = False) -> Comparison:
+def compare(
+    a: Sample,
+    b: Sample,
+    *,
+    least: float = 5,
+    flags: bool = False,
+    hits: bool = False,
+    photons: tuple[int, int] | None = None,
+) -> Comparison:
     """Compares two runs of photons: their histories, ends, volumes, times and wavelengths, as far as both have them.
 
     Parameters
@@ -171,6 +181,8 @@ def compare(a: Sample, b: Sample, *, least: float = 5, flags: bool = False, hits
         Compares Opticks' flags of processes rather than processes.
     hits
         Compares detected photons alone.
+    photons
+        The numbers of simulated photons of both runs, for `hits_z` of a comparison of hits; by default equal numbers.
 
     Raises
     ------
@@ -188,8 +200,9 @@ def compare(a: Sample, b: Sample, *, least: float = 5, flags: bool = False, hits
     """
     with tempfile.TemporaryDirectory() as folder:
         paths = [_path(sample, Path(folder, name)) for sample, name in ((a, "a.npy"), (b, "b.npy"))]
-        row: CompareRow = _core.compare_photons(paths[0], paths[1], float(least), bool(flags), bool(hits))
-    _, photons, is_hits, hits_z, quantities, missing, pairs = row
+        numbers = None if photons is None else [whole(own, "photons", least=0, bits=63) for own in photons]
+        row: CompareRow = _core.compare_photons(paths[0], paths[1], float(least), bool(flags), bool(hits), numbers)
+    _, counts, is_hits, hits_z, quantities, missing, pairs = row
     given = [str(sample) if isinstance(sample, str | PathLike) else type(sample).__name__ for sample in (a, b)]
     found = {
         name: Quantity(name, totals, chi2, ndf, p, z, tuple(Bin(*own) for own in bins))
@@ -198,7 +211,7 @@ def compare(a: Sample, b: Sample, *, least: float = 5, flags: bool = False, hits
     first = None if pairs is None or pairs[4] is None else FirstDifference(*pairs[4])
     return Comparison(
         (given[0], given[1]),
-        photons,
+        counts,
         is_hits,
         hits_z,
         found,
