@@ -163,7 +163,8 @@ impl OpticalLayout {
     }
 
     /// Cuts a model of regions and draws all traced light, projected onto the plane. `medium` is the name of the medium of a
-    /// region, `None` for opaque ones. The window contains the ends of all segments; escaping light is drawn up to its edge.
+    /// region, `None` for opaque ones. The window contains the ends of all segments, and the regions there that it has room for;
+    /// escaping light is drawn up to its edge.
     ///
     /// # Errors
     /// [`DrawError::Section`] for an invalid plane or a model without extent.
@@ -176,7 +177,8 @@ impl OpticalLayout {
         let plane = plane.unwrap_or_else(|| plane::nearest_to_light(&segments));
         let cut = plane.cut()?;
         let of_light = light_range(&cut, &segments);
-        let (lo, hi) = with_margins(of_light.map(|range| range.unwrap_or([1.0, -1.0])));
+        let of_light = of_light.map(|range| range.unwrap_or([1.0, -1.0]));
+        let (lo, hi) = with_margins(with_regions(&cut, of_light, &evaluator.program().region_bounds()));
         let mut layout = OpticalLayout {
             plane,
             cut,
@@ -358,6 +360,25 @@ fn light_range(cut: &Cut, segments: &Segments) -> [Option<[f64; 2]>; 2] {
     ranges
 }
 
+/// The ranges of light with those of the regions that it is in, unless they extend beyond it by more than 0.6 times its size.
+fn with_regions(cut: &Cut, light: [[f64; 2]; 2], boxes: &[Bounds]) -> [[f64; 2]; 2] {
+    let size = light.iter().map(|[lo, hi]| hi - lo).fold(0.0, f64::max);
+    let mut ranges = light;
+    for bounds in boxes.iter().filter(|own| own.is_finite() && !own.is_empty()) {
+        let own = [0, 1].map(|k| cut.range(bounds, k));
+        let fits = |k: usize| {
+            let ([lo, hi], [first, last]) = (light[k], own[k]);
+            first <= hi && last >= lo && first >= lo - 0.6 * size && last <= hi + 0.6 * size
+        };
+        if (0..2).all(fits) {
+            for (range, [first, last]) in ranges.iter_mut().zip(own) {
+                *range = [range[0].min(first), range[1].max(last)];
+            }
+        }
+    }
+    ranges
+}
+
 /// Ranges with margins, none of them empty or much narrower than the other.
 fn with_margins(ranges: [[f64; 2]; 2]) -> ([f64; 2], [f64; 2]) {
     let ranges = ranges.map(|[lo, hi]| if lo <= hi { [lo, hi] } else { [-1.0, 1.0] });
@@ -370,4 +391,20 @@ fn with_margins(ranges: [[f64; 2]; 2]) -> ([f64; 2], [f64; 2]) {
         [lo - missing - 0.05 * size, hi + missing + 0.05 * size]
     });
     (ranges.map(|range| range[0]), ranges.map(|range| range[1]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Light of 10 by 10: a tank around it that is 4 wider is shown whole, a world and a distant part are not.
+    #[test]
+    fn regions_around_light_are_shown_whole() {
+        let cut = "yz".parse::<LayoutPlane>().unwrap().cut().unwrap();
+        let cube = |lo: f64, hi: f64| Bounds::new(Vec3::new(lo, lo, lo), Vec3::new(hi, hi, hi));
+        let light = [[0.0, 10.0]; 2];
+        let boxes = [cube(-100.0, 100.0), cube(-4.0, 10.0), cube(2.0, 15.5), cube(50.0, 60.0)];
+        assert_eq!(with_regions(&cut, light, &boxes), [[-4.0, 15.5]; 2]);
+        assert_eq!(with_regions(&cut, light, &boxes[..1]), light);
+    }
 }

@@ -1,6 +1,7 @@
 //! A layout as SVG.
 
 use super::{FAINTEST, OpticalLayout, Part, RayColour};
+use crate::axis::Axis;
 use crate::legend::{self, Entry, Swatch, Wavelengths};
 use crate::plan::Plan;
 use crate::svg::{Anchor, Pixels, Svg, paint};
@@ -15,6 +16,8 @@ const WIDTH: f64 = 960.0;
 const MAX_HEIGHT: f64 = 620.0;
 const MARGIN: f64 = 24.0;
 const TITLE: f64 = 46.0;
+/// The width of the numbers of an axis.
+const NUMBERS: f64 = 76.0;
 /// The heights of the scale bar and of a row of the legend.
 const BAR: f64 = 34.0;
 const ROW: f64 = 20.0;
@@ -99,7 +102,9 @@ struct Drawing<'a> {
 
 impl<'a> Drawing<'a> {
     fn new(layout: &'a OpticalLayout) -> Drawing<'a> {
-        let frame = [MARGIN, TITLE, WIDTH - 2.0 * MARGIN, MAX_HEIGHT];
+        // dense light has axes with numbers
+        let left = if layout.is_dense { NUMBERS } else { MARGIN };
+        let frame = [left, TITLE, WIDTH - left - MARGIN, MAX_HEIGHT];
         Drawing { layout, svg: Svg::default(), plan: Plan::new(layout.lo, layout.hi, frame) }
     }
 
@@ -232,11 +237,39 @@ impl<'a> Drawing<'a> {
         if self.layout.is_dense { BAR + 14.0 } else { BAR }
     }
 
-    /// Draws the axes in the lower left corner and the scale bar in the lower right one.
+    /// Draws the axes and the scale bar in the lower right corner: around dense light with numbers, or else in the lower left corner.
     fn axes(&mut self, unit: &str) {
         let y = self.plan.bottom + self.bar() - 4.0;
-        Plan::axes(&mut self.svg, [MARGIN + 4.0, y], self.layout.plane.axis_names());
+        match self.layout.is_dense {
+            true => self.numbered_axes(unit),
+            false => Plan::axes(&mut self.svg, [MARGIN + 4.0, y], self.layout.plane.axis_names()),
+        }
         self.plan.scale_bar(&mut self.svg, [WIDTH - MARGIN, y], WIDTH, unit);
+    }
+
+    /// Draws a frame with ticks and numbers.
+    fn numbered_axes(&mut self, unit: &str) {
+        let OpticalLayout { lo, hi, .. } = *self.layout;
+        let ([left, bottom], [right, top]) = (self.plan.position(lo), self.plan.position(hi));
+        let [l, b, r, t] = [left, bottom, right, top].map(Pixels);
+        let mut path = format!("M{l} {t}H{r}V{b}H{l}Z");
+        let across = Axis { min: lo[0], max: hi[0], start: left, end: right };
+        // writing to a string cannot fail
+        for (value, text) in across.ticks(((right - left) / 90.0).max(1.0)) {
+            let x = across.position(value);
+            let _ = write!(path, "M{} {b}v5", Pixels(x));
+            self.svg.text("tick", [x, bottom + 18.0], Anchor::Middle, &text, &text);
+        }
+        let up = Axis { min: lo[1], max: hi[1], start: bottom, end: top };
+        for (value, text) in up.ticks(((bottom - top) / 60.0).max(1.0)) {
+            let y = up.position(value);
+            let _ = write!(path, "M{l} {}h-5", Pixels(y));
+            self.svg.text("tick", [left - 8.0, y + 4.0], Anchor::End, &text, &text);
+        }
+        self.svg.path("axis", path, "");
+        let [name, other] = self.layout.plane.axis_names().map(|name| format!("{name} / {unit}"));
+        self.svg.text("tick", [0.5 * (left + right), bottom + 36.0], Anchor::Middle, &name, &name);
+        self.svg.middle_text("tick", [left - NUMBERS + 18.0, 0.5 * (top + bottom)], -90.0, &other);
     }
 
     /// Draws media and light with their colours. Returns the height of the whole drawing.
