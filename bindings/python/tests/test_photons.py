@@ -118,6 +118,45 @@ def test_no_hits_have_columns_too(bar):
     assert bar.simulate(from_middle(), n=0).photons == 0
 
 
+def test_runs_without_hits_have_notes(bar):
+    with pytest.warns(UserWarning, match="no photon is detected"):
+        run = bar.simulate(from_middle(), n=200, detect="volume")
+    [note] = run.notes
+    most = max(run.ends, key=run.ends.get)
+    assert f"{run.ends[most]} of 200 end as {most}" in note and "`check()` of the detector reports 1 probable mistake;" in note
+    assert bar.simulate(from_middle(), n=200).notes == ()
+    with pytest.warns(UserWarning, match="stopped by the limit of steps"):
+        run = bar.simulate(from_middle(), n=200, max_steps=1)
+    assert any(note.startswith(f"{run.ends['step_limit']} of 200 photons are stopped") for note in run.notes)
+
+
+def test_borders_without_a_placement_are_warnings():
+    with pytest.warns(UserWarning, match="no placement named `dioed`"):
+        detector = rp.loads(BAR.replace('<physvolref ref="diode"/>', '<physvolref ref="dioed"/>'))
+    assert any("`dioed`" in text for text in detector.warnings)
+
+
+def test_a_path_selects_copies(bar):
+    placed = '<physvol name="bar"><volumeref ref="Bar"/>'
+    other = f'{placed}<position name="o" x="60" unit="mm"/></physvol>'.replace('"bar"', '"other"')
+    assert placed in BAR
+    detector = rp.loads(BAR.replace(placed, other + placed))
+    for number, centre in ((0, 60), (1, 0)):
+        for kind in (rp.volume, rp.surface):
+            steps = detector.simulate(kind(detector, f"Bar[{number}]", 550), n=50, record="steps").histories
+            x = steps["x"][steps["step"] == 0]
+            assert len(x) == 50 and (abs(x - centre) <= 10).all()
+    with pytest.raises(ValueError, match=r"no copy of a volume is called `Bar\[2\]`: the names are Bar\[0\], Bar\[1\]\."):
+        rp.volume(detector, "Bar[2]", 550)
+
+
+def test_histories_without_steps_say_so(bar):
+    run = bar.simulate(from_middle(), n=100, record="sequences")
+    for use in (lambda: run.histories.of(3), lambda: run.histories.plot(), lambda: run.histories.save("steps.csv")):
+        with pytest.raises(RayweaveError, match='have no steps: .* Simulate with record="steps"'):
+            use()
+
+
 def test_a_source_without_light_is_an_error(bar):
     for place, reason in (([0, 0, 300], "outside the world"), ([0, 0, 90], "has no RINDEX")):
         with pytest.raises(RayweaveError, match=reason):
@@ -175,6 +214,11 @@ def test_maps_have_a_plane(bar):
     assert "x / mm" in hits.plot().svg and "z / mm" not in hits.plot().svg
     assert "z / mm" in hits.plot("yz").svg and "x / mm" not in hits.plot(plane="yz").svg
     assert "cos theta" in hits.plot("sphere").svg
+    # cells without hits are grey on a logarithmic scale
+    few = bar.simulate(from_middle(), n=30, seed=2).hits
+    assert "#b4b4b4" in few.plot(bins=9, scale="log").svg and "#b4b4b4" not in few.plot(bins=9).svg
+    with pytest.raises(ValueError, match="`logarithmic` is not a scale of hit maps: it must be linear or log"):
+        hits.plot(scale="logarithmic")
     with pytest.raises(ValueError, match="`zx` is not a plane of hit maps: it must be yz, xz, xy or sphere"):
         hits.plot("zx")
 

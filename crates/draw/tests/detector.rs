@@ -1,6 +1,6 @@
 //! Maps and histograms of hits.
 
-use rayweave_draw::detector::{Histogram, HitPositions, MapPlane, histograms_svg, hit_maps_svg};
+use rayweave_draw::detector::{Histogram, HitPositions, MapPlane, MapScale, histograms_svg, hit_maps_svg};
 use rayweave_math::{Bounds, Vec3};
 use std::sync::Arc;
 
@@ -15,8 +15,15 @@ fn histogram<'a>(name: &'a str, values: &'a [f64]) -> Histogram<'a> {
     Histogram::new(name, "ns", values)
 }
 
-const NONE: HitPositions<'_> =
-    HitPositions { names: &[], sensors: &[], positions: [&[]; 3], extents: &[], cells: None, plane: None };
+const NONE: HitPositions<'_> = HitPositions {
+    names: &[],
+    sensors: &[],
+    positions: [&[]; 3],
+    extents: &[],
+    cells: None,
+    plane: None,
+    scale: MapScale::Linear,
+};
 
 /// Four tiles of 6 mm by 6 mm with 400, 100, 25 hits and one hit.
 #[test]
@@ -81,7 +88,7 @@ fn maps_are_drawn_in_the_plane_of_the_hits() {
     let names = ["wide", "small", "dark"].map(Arc::from);
     let hits = HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z], ..NONE };
     let drawing = hit_maps_svg(hits, "a", "mm");
-    assert!(drawing.contains("102 hits of 2 sensors") && !drawing.contains(">dark<"), "{drawing}");
+    assert!(drawing.contains("102 hits of 2 of 3 sensors") && !drawing.contains(">dark<"), "{drawing}");
     for (panel, part) in [
         ("all sensors", "102 hits, 100.0 %, projected along x"),
         ("wide", "100 hits, 98.0 %"),
@@ -136,6 +143,82 @@ fn each_sensor_has_its_own_plane() {
     assert!(sphere.contains("600 hits, 100.0 %, seen from the origin"), "{sphere}");
     let error = "zz".parse::<MapPlane>().unwrap_err();
     assert_eq!(error.to_string(), "`zz` is not a plane of hit maps: it must be yz, xz, xy or sphere.");
+}
+
+/// Three by three tiles of 3 mm at distances of 5 mm, with 400 hits on each but the last one, which has one hit, and none on the middle one.
+fn tiles(depth: f64) -> ([Vec<f64>; 3], Vec<u32>, Vec<Option<Bounds>>) {
+    let (mut positions, mut sensors, mut extents) = ([vec![], vec![], vec![]], Vec::new(), Vec::new());
+    for sensor in 0..9u32 {
+        let (x, y) = (5.0 * f64::from(sensor % 3), 5.0 * f64::from(sensor / 3));
+        let centre = Vec3::new(x, y, 0.1 + depth);
+        extents.push(Some(Bounds::centred(centre, Vec3::new(1.5, 1.5, 0.1))));
+        let side = [20, 0, 1][usize::from(sensor == 4) + 2 * usize::from(sensor == 8)];
+        for k in 0..side * side {
+            let at = |k: i32| 3.0 * (f64::from(k) + 0.5) / f64::from(side) - 1.5;
+            positions[0].push(x + at(k % side));
+            positions[1].push(y + at(k / side));
+            positions[2].push(depth);
+            sensors.push(sensor);
+        }
+    }
+    (positions, sensors, extents)
+}
+
+/// The cells of the map of all sensors are those of the single maps, so that no colour lies between sensors; the single maps lie as the
+/// sensors do.
+#[test]
+fn cells_fit_the_sensors() {
+    let (positions, sensors, extents) = tiles(0.0);
+    let names: Vec<String> = (0..9).map(|k| format!("tile {k}")).collect();
+    let [x, y, z] = &positions;
+    let hits =
+        HitPositions { names: &names, sensors: &sensors, positions: [x, y, z], extents: &extents, ..NONE };
+    let drawing = hit_maps_svg(hits, "a", "mm");
+    assert!(drawing.contains("2801 hits of 8 of 9 sensors"), "{drawing}");
+    let end = drawing.find(">all sensors<").unwrap();
+    // 4 by 4 cells of each tile, also of the one without hits
+    assert_eq!(cells(&drawing[..end]), 9 * 16);
+    let coordinates = |name: &str| {
+        let line = drawing.lines().find(|line| line.contains(&format!(">{name}<"))).unwrap();
+        let number = |key: &str| line.split(key).nth(1).unwrap().split('"').next().unwrap().parse::<f64>();
+        [number(" x=\"").unwrap(), number(" y=\"").unwrap()]
+    };
+    let place = |k: u32| coordinates(&format!("tile {k}"));
+    let [origin, right, above] = [place(0), place(1), place(3)];
+    assert!(right[0] > origin[0] && right[1] == origin[1], "{origin:?} {right:?}");
+    assert!(above[0] == origin[0] && above[1] < origin[1], "{origin:?} {above:?}");
+    assert_eq!(place(8), [place(2)[0], place(6)[1]]);
+    // on a logarithmic scale, the single hit has the darkest colour, and cells without hits are grey
+    let log = hit_maps_svg(HitPositions { scale: MapScale::Logarithmic, ..hits }, "a", "mm");
+    let of = |fill: &str| -> usize {
+        let paths = log[..log.find(">all sensors<").unwrap()].lines().filter(|line| line.contains(fill));
+        paths.map(|line| line.matches('Z').count()).sum()
+    };
+    assert_eq!((of("#b4b4b4"), of("#440154"), of("#fde725")), (16 + 15, 1, 7 * 16));
+}
+
+/// Seen from a distance, each sensor has a marker, also one without hits; with a number of cells, or from nearby, there are cells.
+#[test]
+fn small_sensors_have_markers_on_the_sphere() {
+    let names: Vec<String> = (0..9).map(|k| format!("tile {k}")).collect();
+    for (depth, cells, markers) in [(100.0, None, 9), (100.0, Some(8), 0), (0.0, None, 0)] {
+        let (positions, sensors, extents) = tiles(depth);
+        let [x, y, z] = &positions;
+        let (plane, positions) = (Some(MapPlane::Sphere), [&x[..], y, z]);
+        let hits = HitPositions {
+            names: &names,
+            sensors: &sensors,
+            positions,
+            extents: &extents,
+            plane,
+            cells,
+            ..NONE
+        };
+        let drawing = hit_maps_svg(hits, "a", "mm");
+        assert_eq!(drawing.matches("class=\"marker\"").count(), markers, "{depth}");
+        assert_eq!(drawing.contains(">hits of a sensor<"), markers > 0);
+        assert_eq!(drawing.contains(">hits / sr<"), markers == 0);
+    }
 }
 
 #[test]

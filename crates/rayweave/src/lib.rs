@@ -261,8 +261,8 @@ pub mod infill {
 pub mod detector {
     #[cfg(feature = "draw")]
     pub use rayweave_draw::detector::{
-        Histogram, HitPositions, MapPlane, PropertyCurve, histograms_svg, hit_maps_svg, irradiance_svg,
-        property_curves_svg, spot_svg, spots_svg,
+        Histogram, HitPositions, MapPlane, MapScale, PropertyCurve, histograms_svg, hit_maps_svg,
+        irradiance_svg, property_curves_svg, spot_svg, spots_svg,
     };
     pub use rayweave_optics::detector::{
         Detector, Detectors, IrradianceBins, IrradianceMap, SpotDiagram, SpotPoint,

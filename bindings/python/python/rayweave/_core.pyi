@@ -1035,7 +1035,12 @@ def revolve_outline(
     """A solid of revolution: an outline in the half-plane x >= 0, revolved about its axis x = 0 from `start` by `angle` degrees."""
 
 def compare_photons(
-    a: str | PathLike[str], b: str | PathLike[str], least: float, flags: bool, hits: bool
+    a: str | PathLike[str],
+    b: str | PathLike[str],
+    least: float,
+    flags: bool,
+    hits: bool,
+    photons: tuple[int, int] | None,
 ) -> CompareRow:
     """Compares two files of photons: see `rayweave.photons.compare`."""
 
@@ -1052,7 +1057,7 @@ class CompiledDetector:
 
     @property
     def optical_warnings(self) -> list[str]:
-        """The energies that are not those of light, one sentence each."""
+        """The probable mistakes in optical properties and surfaces, one sentence each."""
 
     @property
     def notes(self) -> list[str]:
@@ -1163,8 +1168,12 @@ class PhotonHits:
     def save(self, path: str | PathLike[str]) -> None:
         """Writes the table of hits of the command: .csv, .npy or .parquet."""
 
-    def map_svg(self, title: str, cells: int | None = None, plane: str | None = None) -> str:
-        """Maps of the hits of each sensor as SVG, with a number of cells along their longer side and a plane of all maps."""
+    def map_svg(
+        self, title: str, cells: int | None = None, plane: str | None = None, scale: str = "linear"
+    ) -> str:
+        """Maps of the hits of each sensor as SVG, with a number of cells along their longer side, a plane of all maps, and the scale of the
+        colours.
+        """
 
     def spectra_svg(
         self, title: str, bins: int | None, time: tuple[float, float] | None, sensor: int | None

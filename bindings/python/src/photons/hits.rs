@@ -7,7 +7,7 @@ use std::sync::Arc;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayweave::detector::{Histogram, HitPositions, MapPlane, histograms_svg, hit_maps_svg};
+use rayweave::detector::{Histogram, HitPositions, MapPlane, MapScale, histograms_svg, hit_maps_svg};
 use rayweave::photon::{Hits, hit_table};
 use rayweave::table::TableError;
 
@@ -73,20 +73,23 @@ impl PyPhotonHits {
         py.detach(write).map_err(bad_value)
     }
 
-    /// Maps of the hits of each sensor as SVG, with a number of cells along their longer side and a plane of all maps.
-    #[pyo3(signature = (title, cells = None, plane = None))]
+    /// Maps of the hits of each sensor as SVG, with a number of cells along their longer side, a plane of all maps, and the scale of the
+    /// colours.
+    #[pyo3(signature = (title, cells = None, plane = None, scale = "linear"))]
     fn map_svg(
         &self,
         py: Python<'_>,
         title: &str,
         cells: Option<usize>,
         plane: Option<&str>,
+        scale: &str,
     ) -> PyResult<String> {
+        let scale = scale.parse::<MapScale>().map_err(bad_value)?;
         let plane = plane.map(str::parse::<MapPlane>).transpose().map_err(bad_value)?;
         let [x, y, z] = &self.hits.position;
         let (names, sensors) = (self.hits.paths(), &self.hits.sensor);
         let extents = self.detector.detector.sensor_extents();
-        let hits = HitPositions { names, sensors, positions: [x, y, z], extents, cells, plane };
+        let hits = HitPositions { names, sensors, positions: [x, y, z], extents, cells, plane, scale };
         Ok(py.detach(|| hit_maps_svg(hits, title, "mm")))
     }
 

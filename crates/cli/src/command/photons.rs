@@ -14,7 +14,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 use rayweave::Packets;
 use rayweave::check::{CheckSettings, Hierarchy, protruding};
-use rayweave::detector::{Histogram, HitPositions, MapPlane, histograms_svg, hit_maps_svg};
+use rayweave::detector::{Histogram, HitPositions, MapPlane, MapScale, histograms_svg, hit_maps_svg};
 use rayweave::layout::{LayoutPlane, OpticalLayout};
 use rayweave::photon::{
     DetectionRule, Detector, Histories, HistoryOptions, Hits, PhotonError, RunSettings, Source, TimeProfile,
@@ -41,6 +41,8 @@ const MOST_PROTRUDING: usize = 64;
 /// The table has a row for each detected photon with the columns event, photon, x, y, z (mm), time (ns), dx, dy, dz, px, py, pz,
 /// wavelength_nm, steps, sensor, and genstep for runs of --gensteps. Lengths are in mm. The table of steps has a row for the emission and for each process of each
 /// photon, with the columns photon, track, step, process, x, y, z, time, dx, dy, dz, px, py, pz, wavelength_nm, volume, surface.
+///
+/// The summary is printed on standard output, with --quiet only if no file is written.
 ///
 /// `rayweave photons compare A B` compares two runs, of Rayweave, Geant4 or Opticks.
 #[derive(Args)]
@@ -129,7 +131,8 @@ pub struct Simulation {
     #[arg(long, value_name = "DRAWING")]
     map: Option<PathBuf>,
 
-    /// Plane of all maps: yz, xz, xy, or sphere for one map of azimuth and cosine of the polar angle as seen from the origin [default:
+    /// Plane of all maps: yz, xz, xy, or sphere for one map of azimuth and cosine of the polar angle as seen from the origin, with a
+    /// marker for each sensor if all are small as seen from there [default:
     /// for each sensor the plane in which it extends most if it is flat, or else its hits]
     #[arg(long, value_name = "PLANE", requires = "map")]
     map_plane: Option<MapPlane>,
@@ -138,6 +141,11 @@ pub struct Simulation {
     /// azimuth [default: for about 100 hits in a cell, from 4 to 64]
     #[arg(long, value_name = "N", requires = "map", value_parser = map_bins)]
     map_bins: Option<usize>,
+
+    /// Scale of the colours of the maps: linear, or log, which shows sensors with few hits beside those with many; cells without hits
+    /// are then grey
+    #[arg(long, value_name = "SCALE", requires = "map", default_value = "linear", value_parser = map_scale())]
+    map_scale: MapScale,
 
     /// Spectra of the times and wavelengths of the hits, .svg, .pdf, .png or .jpg
     #[arg(long, value_name = "DRAWING")]
@@ -170,6 +178,11 @@ fn detection_rule() -> impl TypedValueParser<Value = DetectionRule> {
 fn time_profile() -> impl TypedValueParser<Value = TimeProfile> {
     let names = PossibleValuesParser::new(TimeProfile::ALL.map(TimeProfile::name));
     names.map(|name| TimeProfile::from_name(&name).unwrap_or_default())
+}
+
+/// Reads the name of a scale of colours.
+fn map_scale() -> impl TypedValueParser<Value = MapScale> {
+    PossibleValuesParser::new(["linear", "log"]).map(|name| name.parse().unwrap_or_default())
 }
 
 /// The command with its task: a comparison, or else a simulation.
@@ -287,7 +300,8 @@ impl Simulation {
         self.draw_hits(&report.run.hits, &detector)?;
         match () {
             () if self.json => terminal::print(&format!("{:#}\n", report.as_json())),
-            () if is_piped || global.quiet => Ok(()),
+            // without files the report is the result
+            () if is_piped || global.quiet && self.writes_files() => Ok(()),
             () => terminal::print(&report.as_text()),
         }
     }
@@ -311,6 +325,11 @@ impl Simulation {
             )
         };
         found.iter().map(|finding| text(&finding.text)).collect()
+    }
+
+    /// True if the run writes a table or a drawing.
+    fn writes_files(&self) -> bool {
+        self.tables().next().is_some() || self.drawings().next().is_some()
     }
 
     /// The tables to write, with the name of their content.
@@ -421,6 +440,7 @@ impl Simulation {
                 extents: detector.sensor_extents(),
                 cells: self.map_bins,
                 plane: self.map_plane,
+                scale: self.map_scale,
             };
             drawing::save(path, &hit_maps_svg(hits, &name, "mm"), &name)?;
         }

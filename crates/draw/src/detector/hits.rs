@@ -1,7 +1,8 @@
 //! Maps of the hits of single photons, sensor by sensor, as SVG.
 
 use super::chart::{BELOW, Chart, LEFT, MARGIN, TOP};
-use super::irradiance::{STYLE, draw_cells, draw_colour_bar};
+use super::irradiance::{STYLE, draw_cells, draw_colour_bar, value_paint};
+use super::scale::{ColourScale, MapScale};
 use crate::DrawError;
 use crate::svg::{Anchor, Svg};
 use rayweave_error::Message;
@@ -25,6 +26,8 @@ pub struct HitPositions<'a> {
     pub cells: Option<usize>,
     /// The plane of all maps; by default that of each sensor.
     pub plane: Option<MapPlane>,
+    /// The scale of the colours.
+    pub scale: MapScale,
 }
 
 /// The length of an axis where several maps are drawn, their columns, and the height of the title above.
@@ -41,7 +44,17 @@ const MIN_CELLS: usize = 4;
 const MAX_CELLS: usize = 64;
 const HITS_PER_CELL: f64 = 100.0;
 
-/// The number of cells across a sensor in the map of all sensors.
+/// The maximum number of columns of maps that are arranged as the sensors lie.
+const MAX_GRID: usize = 4;
+
+/// A sensor is small, seen from the origin, if half its diagonal is less than this part of its distance: it has a marker.
+const SMALL: f64 = 0.15;
+
+/// The range of the radius of a marker in pixels, and the part of the map that all of them may cover.
+const MARKER: [f64; 2] = [2.0, 9.0];
+const COVERED: f64 = 0.3;
+
+/// The number of cells across a sensor in the map of all sensors, where these overlap.
 const CELLS_PER_SENSOR: f64 = 2.0;
 
 /// The maximum number of sensors with an outline in the map of all sensors.
@@ -137,7 +150,12 @@ struct Panel<'a> {
     name: &'a str,
     hits: usize,
     plane: MapPlane,
-    map: HitMap,
+    /// The corners of the window.
+    window: [[f64; 2]; 2],
+    /// One map of the window, or the maps of the sensors in it.
+    maps: Vec<HitMap>,
+    /// The places of small sensors on the sphere, with their numbers of hits.
+    markers: Vec<([f64; 2], f64)>,
     /// The outlines of the sensors, for the hits of several sensors, which may overlap.
     outlines: Option<Vec<[[f64; 2]; 2]>>,
 }
@@ -145,61 +163,108 @@ struct Panel<'a> {
 /// Draws the number of hits per area of each sensor as colours. Without a plane, the map of each sensor is the projection along the
 /// coordinate in which a flat sensor, or the hits of a different one, extend least. For several sensors, the first map is a projection of all hits, in which sensors may
 /// overlap: with a colour scale of its own, along the coordinate in which the sensors extend least on average. The sixteen sensors
-/// with the most hits have separate maps with a common colour scale, in the order of `names`. The plane [`MapPlane::Sphere`] gives
-/// one map of all hits. The cells of a projection divide the extent of the sensor in both coordinates; sensors of equal size have equal
-/// cells. `unit` is the unit of length.
+/// with the most hits have separate maps with a common colour scale, in the order of `names`, or as they lie if they are equal and
+/// form a grid of up to four columns. The plane [`MapPlane::Sphere`] gives one map of all hits, with a marker for each sensor if all are small as seen
+/// from the origin and no number of cells is given. The cells of a projection divide the extent of the sensor in both coordinates;
+/// sensors of equal size have equal cells, also in the map of all sensors unless they overlap there. `unit` is the unit of length.
 ///
 /// ```
-/// use rayweave_draw::detector::{HitPositions, hit_maps_svg};
+/// use rayweave_draw::detector::{HitPositions, MapScale, hit_maps_svg};
 ///
 /// let x: Vec<f64> = (0..100).map(|k| f64::from(k % 10)).collect();
 /// let y: Vec<f64> = (0..100).map(|k| f64::from(k / 10)).collect();
 /// let (names, positions) = (["cathode".into()], [&x[..], &y, &[50.0; 100]]);
-/// let hits = HitPositions { names: &names, sensors: &[0; 100], positions, extents: &[], cells: None, plane: None };
+/// let (sensors, extents, scale) = (&[0; 100], &[], MapScale::Linear);
+/// let hits = HitPositions { names: &names, sensors, positions, extents, cells: None, plane: None, scale };
 /// assert!(hit_maps_svg(hits, "detector.gdml", "mm").contains("cathode"));
 /// ```
 pub fn hit_maps_svg(hits: HitPositions<'_>, title: &str, unit: &str) -> String {
     let panels = panels(hits);
-    let peak =
-        |panels: &[Panel<'_>]| panels.iter().flat_map(|panel| &panel.map.values).copied().fold(0.0, f64::max);
     // the hits of all sensors may overlap in the plane, so the first of several maps has its own scale
     let (first, others) = panels.split_at(1.min(panels.len()));
-    let peaks = [peak(first), peak(others)];
+    let scales =
+        [first, others].map(|own| ColourScale::of(hits.scale, own.iter().flat_map(|panel| panel.values())));
     let mut svg = Svg::default();
     let (title, subtitle) = (format!("Hits: {title}"), subtitle(hits, &panels));
     svg.text("title", [MARGIN, 30.0], Anchor::Start, &title, &title);
     svg.text("tick", [MARGIN, 48.0], Anchor::Start, &subtitle, &subtitle);
-    let columns = panels.len().clamp(1, MAX_COLUMNS);
     let [width, height] = [LEFT + PANEL + 110.0, TOP + PANEL + BELOW];
     let is_sphere = hits.plane == Some(MapPlane::Sphere);
     let width = if is_sphere { width + PANEL } else { width };
-    for (k, panel) in panels.iter().enumerate() {
-        let corner = [width * (k % columns) as f64, HEADING + height * (k / columns) as f64];
+    let places = places(&panels);
+    for (k, (panel, place)) in panels.iter().zip(&places).enumerate() {
+        let corner = [width * place[0] as f64, HEADING + height * place[1] as f64];
         let chart = panel.chart(corner);
-        let peak = peaks[usize::from(k > 0)];
-        let cells = chart.part(panel.map.lo, panel.map.hi);
-        draw_cells((panel.map.cells[0], &panel.map.values), peak, &cells, &mut svg);
+        let scale = &scales[usize::from(k > 0)];
+        for map in &panel.maps {
+            draw_cells((map.cells[0], &map.values), scale, &chart.part(map.lo, map.hi), &mut svg);
+        }
         for &[lo, hi] in panel.outlines.iter().flatten() {
             let [[left, bottom], [right, top]] = [lo, hi].map(|point| chart.position(point));
             svg.rectangle("outline", [left, top, right - left, bottom - top], "");
+        }
+        let radius = (COVERED * 2.0 * PANEL * PANEL / panel.markers.len().max(1) as f64).sqrt() / 2.0;
+        for &(point, value) in &panel.markers {
+            let fill = format!(r#" fill="{}""#, value_paint(value, scale));
+            svg.circle("marker", chart.position(point), radius.clamp(MARKER[0], MARKER[1]), &fill);
         }
         chart.draw_axes(
             &mut svg,
             [panel.name, &panel.subtitle(hits.sensors.len())],
             panel.plane.labels(unit),
         );
-        let label = if is_sphere { "hits / sr".to_owned() } else { format!("hits / {unit}\u{b2}") };
-        draw_colour_bar(peak, chart.frame(), &label, &mut svg);
+        let label = match is_sphere {
+            true if !panel.markers.is_empty() => "hits of a sensor".to_owned(),
+            true => "hits / sr".to_owned(),
+            false => format!("hits / {unit}\u{b2}"),
+        };
+        draw_colour_bar(scale, chart.frame(), &label, &mut svg);
     }
-    let size = match panels.len() {
-        0 => [400.0, 80.0],
-        n => [width * columns as f64, HEADING + height * n.div_ceil(columns) as f64],
+    let end = |k: usize| places.iter().map(|place| place[k] + 1).max();
+    let size = match (end(0), end(1)) {
+        (Some(columns), Some(rows)) => [width * columns as f64, HEADING + height * rows as f64],
+        _ => [400.0, 80.0],
     };
     svg.finish(size, &title, &subtitle, &format!("{STYLE}{OUTLINE_STYLE}"))
 }
 
-const OUTLINE_STYLE: &str =
-    ".outline { fill: none; stroke: #ffffff; stroke-width: 0.7; stroke-opacity: 0.6 }\n";
+/// The columns and rows of the maps: those of sensors that form a grid as they lie, below the map of all.
+fn places(panels: &[Panel<'_>]) -> Vec<[usize; 2]> {
+    let all = usize::from(panels.first().is_some_and(|panel| panel.outlines.is_some()));
+    let own = &panels[all..];
+    let grid = own.first().and_then(|first| {
+        let is_equal = |panel: &Panel<'_>| {
+            panel.plane == first.plane && are_equal(size(panel.window), size(first.window))
+        };
+        let near = size(first.window).map(|side| 0.1 * side);
+        // the steps of a coordinate of the corners
+        let steps = |k: usize| {
+            let mut steps: Vec<f64> = own.iter().map(|panel| panel.window[0][k]).collect();
+            steps.sort_by(f64::total_cmp);
+            steps.dedup_by(|next, step| *next - *step < near[k]);
+            steps
+        };
+        let [columns, rows] = [steps(0), steps(1)];
+        let place = |panel: &Panel<'_>| {
+            let step = |steps: &[f64], k: usize| {
+                steps.partition_point(|step| *step <= panel.window[0][k] + near[k] / 2.0).saturating_sub(1)
+            };
+            [step(&columns, 0), all + rows.len() - 1 - step(&rows, 1)]
+        };
+        let places: Vec<[usize; 2]> = own.iter().map(place).collect();
+        let are_distinct = (1..places.len()).all(|k| !places[..k].contains(&places[k]));
+        let fits = columns.len() <= MAX_GRID && columns.len() * rows.len() <= 2 * own.len();
+        (all > 0 && own.iter().all(is_equal) && fits && are_distinct).then_some(places)
+    });
+    match grid {
+        Some(grid) => std::iter::once([0, 0]).chain(grid).collect(),
+        None => (0..panels.len()).map(|k| [k % MAX_COLUMNS, k / MAX_COLUMNS]).collect(),
+    }
+}
+
+const OUTLINE_STYLE: &str = ".outline { fill: none; stroke: #ffffff; stroke-width: 0.7; stroke-opacity: 0.6 }
+.marker { stroke: #7f7f7f; stroke-width: 0.7 }
+";
 
 /// A number of hits in words.
 fn hits_of(count: usize) -> String {
@@ -207,15 +272,19 @@ fn hits_of(count: usize) -> String {
 }
 
 fn subtitle(hits: HitPositions<'_>, panels: &[Panel<'_>]) -> String {
-    let sensors = counts(hits).len();
+    let (sensors, all) = (counts(hits).len(), hits.names.len());
     let maps = panels.iter().filter(|panel| panel.outlines.is_none()).count();
-    match (hits.sensors.len(), sensors) {
-        (0, _) => "no hits".to_owned(),
-        (n, 1) => format!("{} of one sensor", hits_of(n)),
-        (n, sensors) if (1..sensors).contains(&maps) => {
-            format!("{n} hits of {sensors} sensors; the {maps} sensors with the most hits")
+    let of_sensors = match (sensors, all) {
+        (1, 1) => "one sensor".to_owned(),
+        (n, all) if n == all => format!("{n} sensors"),
+        (n, all) => format!("{n} of {all} sensors"),
+    };
+    match hits.sensors.len() {
+        0 => "no hits".to_owned(),
+        n if (1..sensors).contains(&maps) => {
+            format!("{} of {of_sensors}; the {maps} sensors with the most hits", hits_of(n))
         }
-        (n, sensors) => format!("{n} hits of {sensors} sensors"),
+        n => format!("{} of {of_sensors}", hits_of(n)),
     }
 }
 
@@ -244,14 +313,35 @@ fn panels(hits: HitPositions<'_>) -> Vec<Panel<'_>> {
         Some((sensor, count, plane, frames.window(sensor, plane)?))
     });
     let windows: Vec<(u32, usize, MapPlane, [[f64; 2]; 2])> = windows.collect();
-    let own = |&(sensor, _, plane, window): &(u32, usize, MapPlane, [[f64; 2]; 2])| {
-        // sensors of equal size have equal cells, for the one with the most hits
-        let equal = windows.iter().filter(|other| are_equal(size(window), size(other.3)));
-        let most = equal.map(|other| other.1).max().unwrap_or(0);
-        let cells = hits.cells.unwrap_or_else(|| cells_for(most, size(window), 1.0));
-        Panel::new(hits, sensor, plane, (window, cells))
+    let cells = cells_of_sensors(hits, windows.iter().map(|&(_, count, _, window)| (count, window)));
+    let own = windows.iter().zip(cells);
+    let own =
+        own.map(|(&(sensor, _, plane, window), cells)| Panel::new(hits, sensor, plane, (window, cells)));
+    all.into_iter().chain(own).collect()
+}
+
+/// The number of cells along the longer side of each sensor, by its hits and its window: sensors of equal size have equal cells, for
+/// the one with the most hits.
+fn cells_of_sensors(
+    hits: HitPositions<'_>,
+    sensors: impl Iterator<Item = (usize, [[f64; 2]; 2])>,
+) -> Vec<usize> {
+    let sensors: Vec<(usize, [f64; 2])> = sensors.map(|(count, window)| (count, size(window))).collect();
+    let own = |&(_, own): &(usize, [f64; 2])| {
+        let equal = sensors.iter().filter(|(_, other)| are_equal(own, *other));
+        let most = equal.map(|(count, _)| *count).max().unwrap_or(0);
+        hits.cells.unwrap_or_else(|| cells_for(most, own, 1.0)).max(1)
     };
-    all.into_iter().chain(windows.iter().map(own)).collect()
+    sensors.iter().map(own).collect()
+}
+
+/// True if two of some windows have a common area.
+fn any_overlap(windows: &[[[f64; 2]; 2]]) -> bool {
+    let overlap = |[lo, hi]: &[[f64; 2]; 2], [other_lo, other_hi]: &[[f64; 2]; 2]| {
+        let common = [0, 1].map(|k| hi[k].min(other_hi[k]) - lo[k].max(other_lo[k]));
+        (0..2).all(|k| common[k] > EQUAL * (hi[k] - lo[k]).max(other_hi[k] - other_lo[k]))
+    };
+    windows.iter().enumerate().any(|(k, own)| windows[..k].iter().any(|other| overlap(own, other)))
 }
 
 fn size([lo, hi]: [[f64; 2]; 2]) -> [f64; 2] {
@@ -327,6 +417,26 @@ impl Frames {
         Some(estimated(corners(&self.hits[sensor as usize]), self.counts[sensor as usize], self.least(axes)))
     }
 
+    /// The places on the sphere of sensors that are all small as seen from the origin, with their numbers of hits.
+    fn markers(&self) -> Option<Vec<([f64; 2], f64)>> {
+        let mut markers = Vec::new();
+        for (solid, &count) in self.solids.iter().zip(&self.counts) {
+            let Some(solid) = solid else {
+                // a sensor without a solid of its own has no place
+                if count > 0 {
+                    return None;
+                }
+                continue;
+            };
+            let (centre, half) = (solid.centre(), 0.5 * solid.size().length());
+            if half >= SMALL * centre.length() {
+                return None;
+            }
+            markers.push((direction(centre.to_array()), count as f64));
+        }
+        (markers.len() > 1).then_some(markers)
+    }
+
     /// The smallest extent of a sensor of unknown size.
     fn least(&self, axes: [usize; 2]) -> f64 {
         let all = self.hits.iter().fold(Bounds::EMPTY, |all, own| all.union(own));
@@ -339,10 +449,10 @@ impl Frames {
         }
     }
 
-    /// The corners of all sensors in a projection, and the outlines of the known ones.
-    fn of_all(&self, plane: MapPlane) -> ([[f64; 2]; 2], Vec<[[f64; 2]; 2]>) {
+    /// The corners of all sensors in a projection, and the numbers and outlines of those with a known solid or hits.
+    fn of_all(&self, plane: MapPlane) -> ([[f64; 2]; 2], Vec<usize>, Vec<[[f64; 2]; 2]>) {
         let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        let mut outlines = Vec::new();
+        let (mut numbers, mut outlines) = (Vec::new(), Vec::new());
         for sensor in 0..self.counts.len() {
             let is_known = self.solids[sensor].is_some();
             if let Some(own) =
@@ -350,10 +460,11 @@ impl Frames {
             {
                 lo = [0, 1].map(|k| lo[k].min(own[0][k]));
                 hi = [0, 1].map(|k| hi[k].max(own[1][k]));
+                numbers.push(sensor);
                 outlines.push(own);
             }
         }
-        ([lo, hi], outlines)
+        ([lo, hi], numbers, outlines)
     }
 }
 
@@ -382,36 +493,49 @@ impl<'a> Panel<'a> {
         let rows = (0..hits.sensors.len()).filter(|&row| hits.sensors[row] == sensor);
         let points = projected(hits, rows, plane);
         let map = HitMap::new(&points, window, cells.max(1));
-        Panel { name: &hits.names[sensor as usize], hits: points.len(), plane, map, outlines: None }
+        let (name, hits, window) = (&hits.names[sensor as usize], points.len(), [map.lo, map.hi]);
+        Panel { name, hits, plane, window, maps: vec![map], markers: Vec::new(), outlines: None }
     }
 
     /// The map of all sensors.
     fn of_all(hits: HitPositions<'a>, frames: &Frames, plane: MapPlane) -> Panel<'a> {
-        let points = projected(hits, 0..hits.sensors.len(), plane);
-        let count = points.len();
-        let (map, outlines) = if plane == MapPlane::Sphere {
-            let cells = hits.cells.unwrap_or_else(|| cells_for(count, [1.0; 2], 2.0)).max(1);
-            (HitMap::of_directions(&points, cells), Vec::new())
-        } else {
-            let (window, sensors) = frames.of_all(plane);
-            let area = |[width, height]: [f64; 2]| width * height;
-            let whole = size(window);
-            let covered = sensors.iter().map(|&own| area(size(own))).sum::<f64>() / area(whole);
-            let covered = if covered > 0.0 { covered.min(1.0) } else { 1.0 };
-            let longer = |[width, height]: [f64; 2]| width.max(height);
-            let smallest = sensors.iter().map(|&own| longer(size(own))).fold(f64::INFINITY, f64::min);
-            let resolving = (CELLS_PER_SENSOR * longer(whole) / smallest).ceil() as usize;
-            let cells =
-                hits.cells.unwrap_or_else(|| cells_for(count, whole, covered).max(resolving.min(MAX_CELLS)));
-            let are_few = sensors.len() <= MAX_OUTLINES;
-            (HitMap::new(&points, window, cells.max(1)), if are_few { sensors } else { Vec::new() })
+        let (maps, markers, outlines) = match plane {
+            MapPlane::Sphere => match frames.markers().filter(|_| hits.cells.is_none()) {
+                Some(markers) => (Vec::new(), markers, Vec::new()),
+                None => {
+                    let points = projected(hits, 0..hits.sensors.len(), plane);
+                    let cells = hits.cells.unwrap_or_else(|| cells_for(points.len(), [1.0; 2], 2.0)).max(1);
+                    (vec![HitMap::of_directions(&points, cells)], Vec::new(), Vec::new())
+                }
+            },
+            _ => {
+                let (window, numbers, sensors) = frames.of_all(plane);
+                let are_few = sensors.len() <= MAX_OUTLINES;
+                let maps = match are_few && !any_overlap(&sensors) {
+                    true => HitMap::of_sensors(hits, plane, &numbers, &sensors),
+                    false => vec![HitMap::of_overlapping(hits, plane, window, &sensors)],
+                };
+                (maps, Vec::new(), if are_few { sensors } else { Vec::new() })
+            }
         };
-        Panel { name: "all sensors", hits: count, plane, map, outlines: Some(outlines) }
+        let corner = |k: usize, end: fn(&HitMap) -> [f64; 2], choose: fn(f64, f64) -> f64| {
+            maps.iter().map(|map| end(map)[k]).reduce(choose)
+        };
+        let lo = [0, 1].map(|k| corner(k, |map| map.lo, f64::min).unwrap_or(WHOLE_SPHERE[0][k]));
+        let hi = [0, 1].map(|k| corner(k, |map| map.hi, f64::max).unwrap_or(WHOLE_SPHERE[1][k]));
+        let (hits, outlines) = (hits.sensors.len(), Some(outlines));
+        Panel { name: "all sensors", hits, plane, window: [lo, hi], maps, markers, outlines }
+    }
+
+    /// The values of all cells and markers.
+    fn values(&self) -> impl Iterator<Item = f64> + Clone {
+        let cells = self.maps.iter().flat_map(|map| map.values.iter().copied());
+        cells.chain(self.markers.iter().map(|(_, value)| *value))
     }
 
     /// The chart: with one scale for both axes of a projection, and at least a strip where the hits have hardly any extent.
     fn chart(&self, corner: [f64; 2]) -> Chart {
-        let HitMap { mut lo, mut hi, .. } = self.map;
+        let [mut lo, mut hi] = self.window;
         if self.plane == MapPlane::Sphere {
             return Chart::with_axes(corner, [2.0 * PANEL, PANEL], lo, hi);
         }
@@ -456,7 +580,46 @@ struct HitMap {
     values: Vec<f64>,
 }
 
+/// The corners of the map of all directions: azimuths in degrees and cosines of polar angles.
+const WHOLE_SPHERE: [[f64; 2]; 2] = [[-180.0, -1.0], [180.0, 1.0]];
+
 impl HitMap {
+    /// The maps of sensors that do not overlap in a projection, given their numbers and windows.
+    fn of_sensors(
+        hits: HitPositions<'_>,
+        plane: MapPlane,
+        numbers: &[usize],
+        windows: &[[[f64; 2]; 2]],
+    ) -> Vec<HitMap> {
+        let mut points = vec![Vec::new(); hits.names.len()];
+        for (&sensor, point) in hits.sensors.iter().zip(projected(hits, 0..hits.sensors.len(), plane)) {
+            points[sensor as usize].push(point);
+        }
+        let counts = numbers.iter().map(|&sensor| points[sensor].len());
+        let cells = cells_of_sensors(hits, counts.zip(windows.iter().copied()));
+        let own = numbers.iter().zip(windows).zip(cells);
+        own.map(|((&sensor, &window), cells)| HitMap::new(&points[sensor], window, cells)).collect()
+    }
+
+    /// One map of sensors that overlap in a projection.
+    fn of_overlapping(
+        hits: HitPositions<'_>,
+        plane: MapPlane,
+        window: [[f64; 2]; 2],
+        sensors: &[[[f64; 2]; 2]],
+    ) -> HitMap {
+        let points = projected(hits, 0..hits.sensors.len(), plane);
+        let area = |[width, height]: [f64; 2]| width * height;
+        let whole = size(window);
+        let covered = sensors.iter().map(|&own| area(size(own))).sum::<f64>() / area(whole);
+        let covered = if covered > 0.0 { covered.min(1.0) } else { 1.0 };
+        let longer = |[width, height]: [f64; 2]| width.max(height);
+        let smallest = sensors.iter().map(|&own| longer(size(own))).fold(f64::INFINITY, f64::min);
+        let resolving = (CELLS_PER_SENSOR * longer(whole) / smallest).ceil() as usize;
+        let automatic = || cells_for(points.len(), whole, covered).max(resolving.min(MAX_CELLS));
+        HitMap::new(&points, window, hits.cells.unwrap_or_else(automatic).max(1))
+    }
+
     /// A map whose cells divide a window, with a number of cells along the longer side.
     fn new(points: &[[f64; 2]], [mut lo, mut hi]: [[f64; 2]; 2], most: usize) -> HitMap {
         let far = lo.iter().chain(&hi).fold(0.0, |far: f64, x| far.max(x.abs()));
@@ -480,7 +643,7 @@ impl HitMap {
     fn of_directions(points: &[[f64; 2]], rows: usize) -> HitMap {
         let cells = [2 * rows, rows];
         let solid_angle = 4.0 * std::f64::consts::PI / (cells[0] * cells[1]) as f64;
-        HitMap::of_cells(points, [[-180.0, -1.0], [180.0, 1.0]], cells, solid_angle)
+        HitMap::of_cells(points, WHOLE_SPHERE, cells, solid_angle)
     }
 
     fn of_cells(points: &[[f64; 2]], [lo, hi]: [[f64; 2]; 2], cells: [usize; 2], area: f64) -> HitMap {

@@ -1,7 +1,8 @@
 //! Maps of irradiance as SVG.
 
 use super::chart::{BELOW, Chart, MARGIN};
-use crate::axis::{Axis, format_number};
+use super::scale::ColourScale;
+use crate::axis::format_number;
 use crate::svg::{Anchor, Pixels, Svg, paint};
 use rayweave_optics::detector::IrradianceMap;
 use rayweave_render::Rgba;
@@ -27,11 +28,12 @@ pub(super) const STYLE: &str = ".cell { stroke: none; shape-rendering: crispEdge
 pub fn irradiance_svg(map: &IrradianceMap, name: &str, unit: &str) -> String {
     let chart = Chart::new(map.lo, map.hi);
     let mut svg = Svg::default();
-    draw_cells((map.columns, &map.values), map.peak(), &chart, &mut svg);
+    let scale = ColourScale::linear(map.peak());
+    draw_cells((map.columns, &map.values), &scale, &chart, &mut svg);
     let (title, subtitle) = (format!("Irradiance: {name}"), subtitle(map));
     chart.draw(&mut svg, [&title, &subtitle], unit);
     let label = format!("power / {unit}\u{b2}");
-    let right = draw_colour_bar(map.peak(), chart.frame(), &label, &mut svg);
+    let right = draw_colour_bar(&scale, chart.frame(), &label, &mut svg);
     let [_, top, _, height] = chart.frame();
     svg.finish([right.max(400.0), top + height.max(120.0) + BELOW], &title, &subtitle, STYLE)
 }
@@ -41,29 +43,38 @@ fn subtitle(map: &IrradianceMap) -> String {
     format!("power {power} on {} \u{d7} {} cells", map.columns, map.rows())
 }
 
-/// Draws all cells of the same colour as one path: the number of columns, and the values row by row from the bottom. `peak` has the
-/// brightest colour.
-pub(super) fn draw_cells((columns, values): (usize, &[f64]), peak: f64, chart: &Chart, svg: &mut Svg) {
-    let mut paths: BTreeMap<usize, String> = BTreeMap::new();
+/// Draws all cells of the same colour as one path: the number of columns, and the values row by row from the bottom.
+pub(super) fn draw_cells(
+    (columns, values): (usize, &[f64]),
+    scale: &ColourScale,
+    chart: &Chart,
+    svg: &mut Svg,
+) {
+    let mut paths: BTreeMap<Option<usize>, String> = BTreeMap::new();
     let [_, top, width, height] = chart.frame();
     let rows = values.len() / columns;
     let (w, h) = (width / columns as f64, height / rows as f64);
     for (k, &value) in values.iter().enumerate() {
-        let level = (value / peak * (LEVELS - 1) as f64).round() as usize;
         let (column, row) = (k % columns, rows - 1 - k / columns);
         let [x, end] = [column, column + 1].map(|c| Pixels(chart.x.start + c as f64 * w));
         let [y, low] = [row, row + 1].map(|r| Pixels(top + r as f64 * h));
+        let path = paths.entry(scale.part(value).map(level)).or_default();
         // writing to a string cannot fail
-        let _ = write!(paths.entry(level).or_default(), "M{x} {y}H{end}V{low}H{x}Z");
+        let _ = write!(path, "M{x} {y}H{end}V{low}H{x}Z");
     }
     for (level, path) in paths {
         svg.path("cell", path, &format!(r#" fill="{}""#, level_paint(level)));
     }
 }
 
+/// The colour of a value.
+pub(super) fn value_paint(value: f64, scale: &ColourScale) -> String {
+    level_paint(scale.part(value).map(level))
+}
+
 /// Draws the colours with their values to the right of a frame. Returns the right end of the drawing.
 pub(super) fn draw_colour_bar(
-    peak: f64,
+    scale: &ColourScale,
     [left, top, width, height]: [f64; 4],
     label: &str,
     svg: &mut Svg,
@@ -72,21 +83,27 @@ pub(super) fn draw_colour_bar(
     let step = height / LEVELS as f64;
     for level in 0..LEVELS {
         let y = top + height - (level + 1) as f64 * step;
-        svg.rectangle("cell", [x, y, 16.0, step + 0.5], &format!(r#" fill="{}""#, level_paint(level)));
+        svg.rectangle("cell", [x, y, 16.0, step + 0.5], &format!(r#" fill="{}""#, level_paint(Some(level))));
     }
     svg.rectangle("axis", [x, top, 16.0, height], "");
-    let axis = Axis { min: 0.0, max: peak.max(f64::MIN_POSITIVE), start: top + height, end: top };
     let mut characters = 8;
-    for (value, text) in axis.ticks((height / 45.0).max(1.0)) {
+    for (part, text) in scale.ticks(height) {
         characters = characters.max(text.chars().count());
-        svg.text("tick", [x + 24.0, axis.position(value) + 4.0], Anchor::Start, &text, &text);
+        let y = top + (1.0 - part) * height;
+        svg.text("tick", [x + 24.0, y + 4.0], Anchor::Start, &text, &text);
     }
     svg.text("tick", [x, top - 8.0], Anchor::Start, label, label);
     x + 30.0 + 6.4 * characters as f64 + MARGIN
 }
 
-fn level_paint(level: usize) -> String {
-    paint(viridis(level as f64 / (LEVELS - 1) as f64))
+/// The step of the colour scale at a place from 0 to 1.
+fn level(part: f64) -> usize {
+    (part * (LEVELS - 1) as f64).round() as usize
+}
+
+/// The colour of a step; grey for a value that the scale does not have.
+fn level_paint(level: Option<usize>) -> String {
+    level.map_or("#b4b4b4".to_owned(), |level| paint(viridis(level as f64 / (LEVELS - 1) as f64)))
 }
 
 /// Equidistant colours of the scale viridis (S. van der Walt and N. Smith, Matplotlib 1.5, 2015; public domain).

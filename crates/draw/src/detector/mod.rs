@@ -5,10 +5,12 @@ mod curve;
 mod histogram;
 mod hits;
 mod irradiance;
+mod scale;
 mod spot;
 
 pub use curve::{PropertyCurve, property_curves_svg};
 pub use histogram::{Histogram, histograms_svg};
 pub use hits::{HitPositions, MapPlane, hit_maps_svg};
 pub use irradiance::irradiance_svg;
+pub use scale::MapScale;
 pub use spot::{spot_svg, spots_svg};

@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -170,19 +170,24 @@ class Hits(_Named):
         flags[:, 3] = _SURFACE_DETECT
         return found
 
-    def plot(self, plane: str | None = None, *, bins: int | None = None) -> Drawing:
+    def plot(
+        self, plane: str | None = None, *, bins: int | None = None, scale: Literal["linear", "log"] = "linear"
+    ) -> Drawing:
         """Maps of the hits: hits per area of each sensor, in the plane of the two coordinates along which it extends most if it is
         flat, or else its hits.
 
         Of several sensors, the first map is a projection of all hits, in which sensors may overlap. It has a colour scale of its own;
-        the sixteen sensors with the most hits follow with a common scale, in the order of `sensor_paths`.
+        the sixteen sensors with the most hits follow with a common scale, in the order of `sensor_paths`, or as they lie if they are
+        equal and form a grid of up to four columns.
 
         `plane` is the plane of all maps: "xy", "xz" or "yz"; "sphere" gives one map of the azimuth and the cosine of the polar angle
-        of all hits as seen from the origin, in hits per steradian. `bins` is the number of cells along the longer side of each map
+        of all hits as seen from the origin, in hits per steradian, or with a marker for each sensor if all are small as seen from
+        there and `bins` is not given. `scale="log"` shows sensors with few hits beside those with many; cells without hits are then
+        grey. `bins` is the number of cells along the longer side of each map
         (for "sphere", along the polar angle, and twice as many along the azimuth); by default it is chosen for about 100 hits in a
         cell, from 4 to 64. The cells divide the extent of the sensor in both coordinates; sensors of equal size have equal cells."""
         cells = None if bins is None else whole(bins, "bins", least=1, bits=10)
-        return Drawing(self._compiled.map_svg(self._title, cells, plane))
+        return Drawing(self._compiled.map_svg(self._title, cells, plane, scale))
 
     def plot_spectra(
         self, *, bins: int | None = None, time: tuple[float, float] | None = None, sensor: str | int | None = None
