@@ -24,6 +24,9 @@ from rayweave.photons._tables import SurfaceTables
 #: Planck's constant times the speed of light, in eV nm (CODATA 2018, exact).
 _HC = 1239.841984332002
 
+#: The limit of steps by default.
+_MAX_STEPS = 10_000
+
 #: The number of photons from which a run without hits is remarkable.
 _MANY = 100
 
@@ -377,7 +380,8 @@ class Detector:
         settings = _settings(seed, event, detect, max_steps, max_time, wls_time_profile, record, threads, device)
         self.check_source(source, seed=seed, event=event)
         run = self._run(source, (first, last), settings, progress)
-        run.notes = self._notes(run)
+        # a lower limit of steps is a choice
+        run.notes = self._notes(run) if max_steps >= _MAX_STEPS else ()
         for note in run.notes:
             warnings.warn(note, stacklevel=2)
         return run
@@ -385,7 +389,7 @@ class Detector:
     def _notes(self, run: Run) -> tuple[str, ...]:
         """Sentences about a run that probably does not answer the question of its user."""
         notes = []
-        if run.hits.rows == 0 and run.photons >= _MANY:
+        if run.hits.rows == 0 and run.hits.sensor_paths and run.photons >= _MANY:
             most, count = max(run.ends.items(), key=lambda end: end[1])
             findings = self.compiled.findings()
             mistakes = sum(kind == "optical" for kind, _, _ in findings)

@@ -365,8 +365,8 @@ class Run:
         self.hits = Hits(compiled.hits, title)
         """The detected photons."""
         self.notes: tuple[str, ...] = ()
-        """Sentences about a run of `simulate` without hits, or whose photons are mostly stopped by the limit of steps; `simulate` also
-        issues them as warnings."""
+        """Sentences about a run of `simulate` without hits in a detector with sensors, or whose photons are mostly stopped by the limit
+        of steps; `simulate` also issues them as warnings. None for runs with a limit below the default."""
         self._histories = None if compiled.histories is None else Histories(compiled.histories, title)
 
     @property
