@@ -169,7 +169,7 @@ fn tiles(depth: f64) -> ([Vec<f64>; 3], Vec<u32>, Vec<Option<Bounds>>) {
 #[test]
 fn cells_fit_the_sensors() {
     let (positions, sensors, extents) = tiles(0.0);
-    let names: Vec<String> = (0..9).map(|k| format!("tile {k}")).collect();
+    let names: Vec<Arc<str>> = (0..9).map(|k| format!("tile {k}").into()).collect();
     let [x, y, z] = &positions;
     let hits =
         HitPositions { names: &names, sensors: &sensors, positions: [x, y, z], extents: &extents, ..NONE };
@@ -200,7 +200,7 @@ fn cells_fit_the_sensors() {
 /// Seen from a distance, each sensor has a marker, also one without hits; with a number of cells, or from nearby, there are cells.
 #[test]
 fn small_sensors_have_markers_on_the_sphere() {
-    let names: Vec<String> = (0..9).map(|k| format!("tile {k}")).collect();
+    let names: Vec<Arc<str>> = (0..9).map(|k| format!("tile {k}").into()).collect();
     for (depth, cells, markers) in [(100.0, None, 9), (100.0, Some(8), 0), (0.0, None, 0)] {
         let (positions, sensors, extents) = tiles(depth);
         let [x, y, z] = &positions;

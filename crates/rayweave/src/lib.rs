@@ -220,8 +220,8 @@ pub mod model {
         Copies, Crossing, CrossingColumns, Evaluator, Face, FirstHitColumns, FirstHits, HitArrayRows, Leaf,
         LeafFacet, LeafId, LeafKind, Limit, Medium, Node, Occurrence, OccurrencePath, PathStep, Place,
         PlacementId, Program, Prototype, PrototypeId, Query, RayAnswer, RayBatch, Rays, Region, RegionId,
-        RegionInfo, Sink, Solid, Start, StartLists, SurfaceEntry, SurfaceId, Window, WindowError, attributes, drive,
-        expanded_size, memory, plain, simplify,
+        RegionInfo, Sink, Solid, Start, StartLists, SurfaceEntry, SurfaceId, Window, WindowError, attributes,
+        drive, expanded_size, memory, plain, simplify,
     };
 }
 
