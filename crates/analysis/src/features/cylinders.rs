@@ -19,7 +19,8 @@ pub struct CylindricalFace {
     /// The part of the circumference that belongs to the face, 0 to 1, in steps of 1/24.
     pub share: f64,
     /// The depth of a hole that ends in the material at one end. It is measured from the plane around the open end, in front of a
-    /// chamfer, to the end of the cylinder.
+    /// chamfer, to the floor of the hole, behind a fillet or chamfer in the corner. A hole without a floor, such as one with a conical
+    /// or spherical end, is as deep as its full diameter: the depth ends where the cylinder does.
     pub depth: Option<f64>,
     /// True if a hole is open at both ends; a groove is closed at both. Only the region around a hole closes it, not another part
     /// in front of it, such as the head of a bolt.
@@ -172,6 +173,8 @@ struct Lines<'a> {
     /// The point of the axis at t = 0.
     base: Vec3,
     across: [Vec3; 2],
+    /// The distance of the lines from the cylinder.
+    offset: f64,
     /// For each angle, the spans inside and outside of the cylinder.
     pairs: Vec<[Spans; 2]>,
 }
@@ -197,8 +200,9 @@ impl<'a> Lines<'a> {
         let flat =
             [0, 1, 2].into_iter().min_by(|&a, &b| axis[a].abs().total_cmp(&axis[b].abs())).unwrap_or(0);
         let first = (Vec3::AXES[flat] - axis * axis[flat]).normalize_or_zero();
-        let mut lines = Lines { cylinder, base, across: [first, axis.cross(first)], pairs: Vec::new() };
         let offset = (OFFSET * cylinder.radius).max(LEAST_OFFSET * bounds.size().length());
+        let across = [first, axis.cross(first)];
+        let mut lines = Lines { cylinder, base, across, offset, pairs: Vec::new() };
         let radii = [cylinder.radius - offset, cylinder.radius + offset];
         let places: Vec<(usize, f64)> =
             (0..LINES).flat_map(|line| radii.map(|radius| (line, radius))).collect();
@@ -235,7 +239,8 @@ impl<'a> Lines<'a> {
     }
 
     fn faces<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Vec<CylindricalFace> {
-        let mut stretches: Vec<Stretch> = (0..LINES).flat_map(|line| self.stretches(line)).collect();
+        let mut stretches: Vec<Stretch> =
+            (0..LINES).flat_map(|line| self.stretches(line, &self.pairs[line])).collect();
         stretches.sort_by(|a, b| a.is_hole.cmp(&b.is_hole).then(a.from.total_cmp(&b.from)));
         let mut groups: Vec<Vec<Stretch>> = Vec::new();
         let mut end = f64::NEG_INFINITY;
@@ -260,8 +265,8 @@ impl<'a> Lines<'a> {
         evaluator: &E,
         scratch: &mut E::Scratch,
     ) -> CylindricalFace {
-        let from = group.iter().map(|stretch| stretch.from).fold(f64::INFINITY, f64::min);
-        let to = group.iter().map(|stretch| stretch.to).fold(f64::NEG_INFINITY, f64::max);
+        let from = self.end(group, -1.0, evaluator, scratch);
+        let to = self.end(group, 1.0, evaluator, scratch);
         let mut is_there = [false; LINES];
         group.iter().for_each(|stretch| is_there[stretch.line] = true);
         let count = is_there.iter().filter(|is| **is).count();
@@ -280,8 +285,14 @@ impl<'a> Lines<'a> {
             is_closed(&|stretch| [stretch.to + beyond, stretch.to - 0.5 * beyond]),
         ];
         let depth = match (is_hole, closed) {
-            (true, [false, true]) => Some(to - self.opening(group[0].line, from, -1.0, evaluator, scratch)),
-            (true, [true, false]) => Some(self.opening(group[0].line, to, 1.0, evaluator, scratch) - from),
+            (true, [false, true]) => {
+                let floor = self.floor(group[0].line, to, 1.0, evaluator, scratch);
+                Some(floor - self.opening(group[0].line, from, -1.0, evaluator, scratch))
+            }
+            (true, [true, false]) => {
+                let floor = self.floor(group[0].line, from, -1.0, evaluator, scratch);
+                Some(self.opening(group[0].line, to, 1.0, evaluator, scratch) - floor)
+            }
             _ => None,
         };
         let axis = self.cylinder.axis;
@@ -295,9 +306,35 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The pieces of a line with material on one side only.
-    fn stretches(&self, line: usize) -> Vec<Stretch> {
-        let [inner, outer] = &self.pairs[line];
+    /// The end of a face, in the direction of the axis or against it.
+    ///
+    /// Where a rounding touches the cylinder, the lines at a distance d from it reach the rounding, of radius r, sqrt(2 r d) beyond the
+    /// end. Lines at four times the distance reach twice as far, and the end follows from both.
+    fn end<E: Evaluator>(
+        &self,
+        group: &[Stretch],
+        sign: f64,
+        evaluator: &E,
+        scratch: &mut E::Scratch,
+    ) -> f64 {
+        let of = |stretch: &Stretch| if sign > 0.0 { stretch.to } else { stretch.from };
+        let Some(last) = group.iter().max_by(|a, b| (sign * of(a)).total_cmp(&(sign * of(b)))) else {
+            return f64::NAN;
+        };
+        let radii = [-4.0, 4.0].map(|k| (last.line, self.cylinder.radius + k * self.offset));
+        let mut spans = self.spans(evaluator, &radii, scratch).into_iter();
+        let (Some(inner), Some(outer)) = (spans.next(), spans.next()) else { return of(last) };
+        let wide = self
+            .stretches(last.line, &[inner, outer])
+            .into_iter()
+            .find(|own| own.is_hole == last.is_hole && own.from < last.to && last.from < own.to);
+        let beyond = wide.map_or(0.0, |wide| of(&wide) - of(last));
+        // a plane or a cone at the end is no farther than a few distances
+        if beyond.abs() > 100.0 * self.offset { of(last) - beyond } else { of(last) }
+    }
+
+    /// The pieces of a line with material on one side only; `pair` are the spans inside and outside of the cylinder.
+    fn stretches(&self, line: usize, [inner, outer]: &[Spans; 2]) -> Vec<Stretch> {
         let mut ends: Vec<f64> = inner.ends().chain(outer.ends()).collect();
         ends.sort_by(f64::total_cmp);
         let least = SHORT * self.cylinder.radius;
@@ -343,5 +380,41 @@ impl<'a> Lines<'a> {
         let is_flat = |pair: &&[f64]| (pair[1] - pair[0]).abs() < 1e-9 * radius;
         let flat = exits.windows(2).find(is_flat).map(|pair| pair[0]);
         flat.filter(|flat| sign * (flat - end) > 0.0).unwrap_or(end)
+    }
+
+    /// The position of the floor of a hole, perpendicular to the axis, if a fillet or a chamfer in the corner leads to it; otherwise the
+    /// end of the cylinder. `sign` is the direction of the floor.
+    fn floor<E: Evaluator>(
+        &self,
+        line: usize,
+        end: f64,
+        sign: f64,
+        evaluator: &E,
+        scratch: &mut E::Scratch,
+    ) -> f64 {
+        /// Lines farther and farther inside.
+        const STEPS: usize = 100;
+        let radius = self.cylinder.radius;
+        let step = radius / STEPS as f64;
+        let rounding = 1e-9 * radius;
+        let within = end - sign * SHORT * radius;
+        let places: Vec<(usize, f64)> = (1..STEPS).map(|k| (line, radius - step * k as f64)).collect();
+        let (mut last, mut rise) = (end, f64::INFINITY);
+        for (k, spans) in self.spans(evaluator, &places, scratch).iter().enumerate() {
+            let next = if sign > 0.0 { spans.next(within) } else { spans.before(within) };
+            let Some(next) = next.filter(|_| !spans.is_in(within)) else { return end };
+            let further = sign * (next - last);
+            if k > 0 && further.abs() < rounding {
+                // a corner is at most as deep as it is wide
+                let is_corner = sign * (last - end) <= step * (k as f64 + 1.0) + rounding;
+                return if is_corner { last } else { end };
+            }
+            // the slope of a chamfer is constant, and that of a fillet falls; at a smaller hole the bottom gets steeper
+            if further < -rounding || further > rise + rounding {
+                return end;
+            }
+            (last, rise) = (next, further);
+        }
+        end
     }
 }

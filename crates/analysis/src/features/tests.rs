@@ -59,6 +59,37 @@ fn depths_are_measured_from_the_plane_around_a_hole() {
     assert_eq!(found(&chamfered), [(5.0, 1.0, true, Some(12.0))]);
 }
 
+/// Grooves and pockets with fillets or chamfers in their corners are as deep as their floors; ball ends, cones and smaller holes begin
+/// where the full diameter ends.
+#[test]
+fn depths_end_at_the_floor() {
+    let depth = |outline: &str| {
+        let text = format!("[solid.a.revolve]\noutline = [{outline}]\n[[region]]\nsolid = \"a\"");
+        cylindrical_faces(&evaluator(&text)).faces.iter().find_map(|face| face.depth).unwrap()
+    };
+    let groove = |corner: &str| {
+        format!(
+            "[0, 0], [26, 0], {{ at = [26, 2.8], {corner} }}, {{ at = [30.5, 2.8], {corner} }}, [30.5, 0], [60, 0], [60, 14], [0, 14]"
+        )
+    };
+    for corner in ["fillet = 0.2", "fillet = 0.4", "fillet = 0.8", "chamfer = 0.4"] {
+        let deep = depth(&groove(corner));
+        assert!((deep - 2.8).abs() < 1e-7, "{corner}: {deep}");
+    }
+    let pocket = |bottom: &str| format!("{bottom}, [5, 20], [30, 20], [30, 0]");
+    // a pocket 12 deep with a rounded corner, and with a cone of 118 degrees, plain and to a smaller hole
+    let deep = depth(&pocket("[0, 0], [0, 8], { at = [5, 8], fillet = 3 }"));
+    assert!((deep - 12.0).abs() < 1e-7, "{deep}");
+    for bottom in ["[0, 0], [0, 5], [5, 8]", "[0, 0], [0, 5.4], [2.5, 5.4], [2.5, 6.5], [5, 8]"] {
+        let deep = depth(&pocket(bottom));
+        assert!((deep - 12.0).abs() < 1e-7, "{bottom}: {deep}");
+    }
+    let ball = "[solid.b]\nbox = { size = [40, 40, 20] }\n[solid.e]\ncylinder = { radius = 5, height = 14 }\n\
+        transform = { translate = [0, 0, 3] }\n[solid.ball]\nsphere = { radius = 5 }\ntransform = { translate = [0, 0, -4] }\n\
+        [solid.part]\nexpr = \"b - e - ball\"\n[[region]]\nsolid = \"part\"";
+    assert_eq!(found(ball), [(10.0, 1.0, true, Some(14.0))]);
+}
+
 /// A counterbore ends at a shoulder: it is a hole with a bottom, and the hole in its bottom goes through.
 #[test]
 fn counterbores_have_a_depth() {
