@@ -44,6 +44,15 @@ pub enum SectionError {
         /// The number of columns.
         columns: u32,
     },
+    /// The section is too complex for its tolerance.
+    #[error(
+        "the section needs more than {limit} scan lines: its lines are too numerous for the tolerance. \
+         Use a larger tolerance, or cut a smaller box (--within LO HI, in Python within=(lo, hi))."
+    )]
+    TooManyScanLines {
+        /// The largest number of scan lines.
+        limit: usize,
+    },
     /// The section does not fit into memory.
     #[error("the section does not fit into memory: {0}. Use fewer columns or planes, or a larger tolerance.")]
     Memory(#[from] Shortage),

@@ -63,11 +63,11 @@ impl Lines {
     fn paired(&self, left: &[ScanCrossing], right: &[ScanCrossing]) -> Vec<(usize, usize)> {
         let is_near = |a: &ScanCrossing, b: &ScanCrossing| (b.v - a.v).abs() <= self.reach;
         let same_surface = in_order(left, right, |a, b| is_near(a, b) && a.is_like(b));
-        let is_same = |a: &ScanCrossing, b: &ScanCrossing| (a.before, a.after) == (b.before, b.after);
         let (mut pairs, mut from) = (Vec::with_capacity(same_surface.len()), (0, 0));
         for (k, j) in same_surface.into_iter().chain([(left.len(), right.len())]) {
-            let between =
-                in_order(&left[from.0..k], &right[from.1..j], |a, b| is_near(a, b) && is_same(a, b));
+            let between = in_order(&left[from.0..k], &right[from.1..j], |a, b| {
+                is_near(a, b) && a.is_between_regions_of(b)
+            });
             pairs.extend(between.into_iter().map(|(a, b)| (from.0 + a, from.1 + b)));
             if k < left.len() {
                 pairs.push((k, j));

@@ -18,7 +18,12 @@ impl ScanCrossing {
     pub fn is_like(&self, other: &ScanCrossing) -> bool {
         // an edge of an outline may consist of several faces, in one surface
         let face = |own: &ScanCrossing| own.face.map(|face| (face.surface, face.placement));
-        (self.before, self.after, face(self)) == (other.before, other.after, face(other))
+        self.is_between_regions_of(other) && face(self) == face(other)
+    }
+
+    /// True for crossings from the same region into the same one.
+    pub fn is_between_regions_of(&self, other: &ScanCrossing) -> bool {
+        (self.before, self.after) == (other.before, other.after)
     }
 }
 
@@ -28,12 +33,4 @@ pub struct ScanLine {
     pub u: f64,
     /// The crossings from bottom to top; below the first and above the last is the world.
     pub passes: Vec<ScanCrossing>,
-}
-
-impl ScanLine {
-    /// True for scan lines with like crossings.
-    pub fn is_like(&self, other: &ScanLine) -> bool {
-        let alike = |(a, b): (&ScanCrossing, &ScanCrossing)| a.is_like(b);
-        self.passes.len() == other.passes.len() && self.passes.iter().zip(&other.passes).all(alike)
-    }
 }

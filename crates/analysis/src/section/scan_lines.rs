@@ -1,6 +1,7 @@
 //! Scan lines: the parallel rays that sweep a plane, refined where neighbours differ.
 
 use super::corners::Corners;
+use super::same_curve::SameCurve;
 use super::scan_line::{ScanCrossing, ScanLine};
 use super::{Cut, SectionError, SectionRun, SectionWindow};
 use rayweave_model::drive::{Stopped, drive, thread_count};
@@ -12,8 +13,7 @@ use rayweave_shape::Ray;
 pub enum Step {
     /// All crossings continue.
     Smooth(ScanLine),
-    /// The two scan lines may differ, and the gap is not refined further: it is within the tolerance, or the limit of scan lines is
-    /// reached.
+    /// The two scan lines may differ, and the gap is not refined further.
     Jump(ScanLine),
 }
 
@@ -35,7 +35,7 @@ enum Gap {
     Jump,
 }
 
-/// Refinement stops at this number of scan lines; a sweep has fewer than twice as many.
+/// Refinement stops at this number of scan lines. A sweep has fewer than twice as many, apart from those beside corners.
 const MAX_COLUMNS: usize = 1 << 20;
 
 /// The width of gaps with jumps, relative to the largest coordinate across the scan lines.
@@ -78,6 +78,13 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         let mut row: Vec<Placed> =
             scan_lines.into_iter().map(|scan_line| Placed { scan_line, gap: Gap::Unknown }).collect();
         while row.len() < MAX_COLUMNS && self.halve(&mut row)? {}
+        // at the limit, an open gap is harmless if it is within the tolerance
+        let is_wide = |pair: &[Placed]| {
+            pair[0].gap == Gap::Unknown && pair[1].scan_line.u - pair[0].scan_line.u > self.window.tolerance
+        };
+        if row.windows(2).any(is_wide) {
+            return Err(SectionError::TooManyScanLines { limit: MAX_COLUMNS });
+        }
         let mut gap = Gap::Jump;
         let mut step = |placed: Placed| {
             let before = std::mem::replace(&mut gap, placed.gap);
@@ -168,7 +175,8 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
             let chord = 0.5 * (left.passes[k].v + right.passes[k].v);
             (middle.passes[k].v - chord).abs() <= tolerance
         };
-        let is_smooth = left.is_like(middle) && middle.is_like(right);
+        let same_curve = SameCurve { program: self.evaluator.program(), cut: self.cut };
+        let is_smooth = same_curve.joins(left, middle) && same_curve.joins(middle, right);
         match () {
             () if is_smooth && (0..middle.passes.len()).all(is_straight) => Gap::Smooth,
             () if right.u - left.u <= 2.0 * tolerance.min(self.finest) => Gap::Jump,

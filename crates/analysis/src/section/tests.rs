@@ -300,3 +300,101 @@ fn corners_of_a_star_take_few_scan_lines() {
     assert!((own - area).abs() < 1e-9 * area, "{own} {area}");
     assert!(rays < 15 * n as u64, "{rays}");
 }
+
+/// A solid of revolution with a chamfer at both ends, fillets, a groove and a step.
+const TURNED: &str = "[solid.a.revolve]\noutline = [[0, 0], [9, 0], [10, 1], [10, 3], [9, 4], [10, 5], [10, 7], [8, 7.5], [8, 9], [7, 10], [0, 10]]";
+
+/// The number of rays of a section, its area and the number of its contours.
+fn counted(text: &str, plane: SectionPlane) -> (u64, f64, usize) {
+    let scene = scene(text);
+    let evaluator = Counted::new(Arc::new(Program::compile_regions(&scene.model_regions()).unwrap()));
+    let window = SectionWindow::new([-40.0; 2], [40.0; 2]);
+    let found = section(&evaluator, &plane.cut().unwrap(), &window).unwrap();
+    (evaluator.take()[0], found.area(RegionId(1)), found.contours(RegionId(1)).len())
+}
+
+/// The most scan lines of a circle or annulus: 512, and some dozens at each end of a circle.
+const MOST: u64 = 1500;
+
+fn is_disc(text: &str, plane: SectionPlane, radii: [f64; 2]) {
+    let (rays, area, contours) = counted(text, plane);
+    assert!(rays < MOST, "{plane}: {rays} rays of {text}");
+    let exact = PI * (radii[1] * radii[1] - radii[0] * radii[0]);
+    let off = 4e-3 * 2.0 * PI * (radii[0] + radii[1]);
+    assert!((area - exact).abs() < off, "{plane}: {area} {exact} of {text}");
+    assert_eq!(contours, if radii[0] > 0.0 { 2 } else { 1 }, "{plane} of {text}");
+}
+
+/// Both faces at a round edge in the plane are cut in the same circle: rounding decides which is crossed, scan line by scan line.
+#[test]
+fn planes_through_round_edges_take_few_scan_lines() {
+    let radii = [(1.0, 10.0), (3.0, 10.0), (4.0, 9.0), (5.0, 10.0), (7.0, 10.0), (7.5, 8.0), (9.0, 8.0)];
+    for (z, radius) in radii {
+        let plane = SectionPlane::across(2, z).unwrap();
+        is_disc(TURNED, plane, [0.0, radius]);
+        for (degrees, x) in [(37.0, 3.0), (90.0, 0.1), (123.4, -1.7)] {
+            let turn = format!(
+                "\n[[region]]\nsolid = \"b\"\n[solid.b]\nexpr = \"a\"\ntransform = [{{ rotate_y = {degrees} }}, {{ translate = [{x}, 1, 2] }}]"
+            );
+            let angle = f64::to_radians(degrees);
+            let axis = Vec3::new(angle.sin(), 0.0, angle.cos());
+            let plane = SectionPlane::new(Vec3::new(x, 1.0, 2.0) + z * axis, axis).unwrap();
+            is_disc(&format!("{TURNED}{turn}"), plane, [0.0, radius]);
+        }
+    }
+    // a cone and a cylinder, written by hand, and a bore with a chamfer
+    let by_hand = "[solid.c]\ncylinder = { radius = 10, height = 4 }\ntransform = { translate = [0, 0, 3] }\n\
+        [solid.k]\ncone = { radius1 = 9, radius2 = 10, height = 1 }\ntransform = { translate = [0, 0, 0.5] }\n\
+        [solid.p]\nexpr = \"c | k\"\n[[region]]\nsolid = \"p\"";
+    is_disc(by_hand, "z=1".parse().unwrap(), [0.0, 10.0]);
+    let bore = "[solid.a.revolve]\noutline = [[4, 0], [12, 0], [12, 5], [3, 5], [3, 1]]";
+    is_disc(bore, "z=1".parse().unwrap(), [3.0, 12.0]);
+    // a torus between two cylinders of its own, and its halves
+    let torus = "[solid.t]\ntorus = { major = 8, minor = 2 }\n[solid.c]\ncylinder = { radius = 10, height = 4 }\n\
+        [solid.i]\ncylinder = { radius = 6, height = 4 }\n[solid.h]\nhalf_space = { normal = [0, 0, 1], offset = 0 }\n\
+        [solid.p]\nexpr = \"(t & h) | (c - h - i)\"\n[[region]]\nsolid = \"p\"";
+    is_disc(torus, "z=0".parse().unwrap(), [6.0, 10.0]);
+    for (end, z) in [("bottom", 1.0), ("top", 4.0)] {
+        for edge in ["chamfer = 1", "fillet = 1"] {
+            let part = format!(
+                "[solid.a]\nextrude = {{ outline = {{ circle = 10 }}, height = 5, {end} = {{ {edge} }} }}"
+            );
+            is_disc(&part, SectionPlane::across(2, z).unwrap(), [0.0, 10.0]);
+        }
+    }
+}
+
+/// Planes at, and next to, every corner of random outlines of revolution.
+#[test]
+fn planes_through_corners_of_random_outlines() {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut random = |lo: f64, hi: f64| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        lo + (hi - lo) * ((state >> 11) as f64 / (1u64 << 53) as f64)
+    };
+    for _ in 0..12 {
+        let mut z = random(-3.0, 3.0);
+        let corners: Vec<[f64; 2]> = (0..6)
+            .map(|_| {
+                z += random(0.2, 3.0);
+                [random(2.0, 20.0), z]
+            })
+            .collect();
+        let all: Vec<String> = corners.iter().map(|[r, z]| format!("[{r:?}, {z:?}]")).collect();
+        let [lo, hi] = [corners[0][1], corners[5][1]];
+        let text = format!("[solid.a.revolve]\noutline = [[0, {lo:?}], {}, [0, {hi:?}]]", all.join(", "));
+        for [radius, z] in &corners[1..5] {
+            for step in [0.0, 1e-15, -1e-15, 1e-13, 1e-9] {
+                is_disc(&text, SectionPlane::across(2, z + step).unwrap(), [0.0, *radius]);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_limit_of_scan_lines_comes_with_a_suggestion() {
+    let refused = SectionError::TooManyScanLines { limit: 1 << 20 }.to_string();
+    assert!(refused.contains("Use a larger tolerance, or cut a smaller box"), "{refused}");
+}
