@@ -13,7 +13,7 @@ use super::probe::{Budget, IN_STARTS};
 use super::stratum::{Closest, closest};
 use crate::measure::MeasuredChord;
 use crate::survey::{Across, span_around};
-use rayweave_math::{Bounds, Vec3};
+use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3};
 use rayweave_model::{Crossing, Evaluator, Program, Query, RayAnswer, RayBatch, RegionId, attributes};
 use rayweave_shape::Ray;
 use std::collections::BTreeMap;
@@ -58,6 +58,15 @@ pub(super) struct Facing {
 
 /// The step for differences of gradients, relative to the diagonal of the model.
 const STEP: f64 = 1e-5;
+
+/// The rounding error of a point of an edge, relative to the diagonal of the model: some thousand roundings.
+const RESOLVED: f64 = 1e-12;
+
+/// The rounding error of a distance, relative to the diagonal of the model, as for signed distances ([`crate::distance`]).
+const SHORTEST: f64 = 256.0 * UNIT_ROUNDOFF;
+
+/// The parts of the way from an edge to a chord beside it where the region is examined.
+const PARTS_OF_WEDGE: [f64; 3] = [0.01, 0.1, 0.5];
 
 /// A place to start from.
 #[derive(Clone, Copy, Debug)]
@@ -289,6 +298,54 @@ impl Search<'_> {
         chord: MeasuredChord,
         scratch: &mut E::Scratch,
     ) -> Option<(Closest, RegionId)> {
+        let (ends, region) = self.faces_of(evaluator, chord, scratch)?;
+        let ends = ends.map(|number| Ends::Common(vec![number]));
+        let strata = [self.surfaces.stratum(&ends[0]), self.surfaces.stratum(&ends[1])];
+        let scale = self.frame.size().length();
+        let place = closest(&strata, [chord.from, chord.to], STEP * scale)?;
+        let is_there = place.distance <= place.tolerance
+            || joined(evaluator, region, place.chord(), place.tolerance, scratch).is_some();
+        is_there.then_some((place, region))
+    }
+
+    /// True if the faces of a chord meet in an edge of the region beside it: the chord is not longer than the wedge at this edge is
+    /// wide there, and the region fills the wedge up to the edge.
+    pub fn is_at_edge<E: Evaluator>(
+        &mut self,
+        evaluator: &E,
+        chord: MeasuredChord,
+        scratch: &mut E::Scratch,
+    ) -> bool {
+        let scale = self.frame.size().length();
+        if chord.length() <= SHORTEST * scale {
+            return true;
+        }
+        let Some(([a, b], region)) =
+            self.faces_of(evaluator, chord, scratch).filter(|(ends, _)| ends[0] != ends[1])
+        else {
+            return false;
+        };
+        let middle = 0.5 * (chord.from + chord.to);
+        let edge = self.surfaces.stratum(&Ends::Common(vec![a, b])).project(middle);
+        let Some((edge, units)) = edge else { return false };
+        let &[first, second] = units.as_slice() else { return false };
+        let away = middle - edge;
+        let width = away.length() * first.cross(second).length();
+        if width > 2.0 * chord.length() + RESOLVED * scale {
+            return false;
+        }
+        let between = PARTS_OF_WEDGE.map(|part| edge + part * away);
+        away.length() <= 1e3 * RESOLVED * scale
+            || regions_at(evaluator, between.into_iter(), scratch).iter().all(|own| *own == region)
+    }
+
+    /// The numbers of the surfaces at the ends of a chord, and its region.
+    fn faces_of<E: Evaluator>(
+        &mut self,
+        evaluator: &E,
+        chord: MeasuredChord,
+        scratch: &mut E::Scratch,
+    ) -> Option<([usize; 2], RegionId)> {
         let middle = 0.5 * (chord.from + chord.to);
         let region = regions_at(evaluator, std::iter::once(middle), scratch)[0];
         let ray = Ray::new(middle, (chord.to - chord.from).try_normalize()?);
@@ -298,13 +355,7 @@ impl Search<'_> {
             let normal = attributes::normal(evaluator.program(), &ray, crossing);
             self.surfaces.number(crossing.face, ray.at(crossing.t), normal, &grid)
         };
-        let ends = [number(&crossings[0])?, number(&crossings[1])?].map(|number| Ends::Common(vec![number]));
-        let strata = [self.surfaces.stratum(&ends[0]), self.surfaces.stratum(&ends[1])];
-        let scale = self.frame.size().length();
-        let place = closest(&strata, [chord.from, chord.to], STEP * scale)?;
-        let is_there = place.distance <= place.tolerance
-            || joined(evaluator, region, place.chord(), place.tolerance, scratch).is_some();
-        is_there.then_some((place, region))
+        Some(([number(&crossings[0])?, number(&crossings[1])?], region))
     }
 }
 

@@ -31,6 +31,8 @@ mod finding;
 mod hierarchy;
 mod narrow;
 mod nearest;
+#[cfg(test)]
+mod operand_tests;
 mod operands;
 mod pairs;
 mod parts;

@@ -7,7 +7,7 @@ use crate::AnalysisError;
 use rayweave_math::{Affine, Bounds};
 use rayweave_model::{Evaluator, Node, Program, Region, Solid};
 use rayweave_polygon::is_outline_part;
-use rayweave_shape::primitive::Primitive;
+use rayweave_shape::primitive::{BoxFromCorners, Primitive};
 use std::collections::HashSet;
 
 /// The maximum number of operands of an intersection that is searched: each operand is compared with all others, because
@@ -154,10 +154,17 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
             let bounds = Program::compile(&effect)?.bounds();
             match bounds.is_empty() {
                 true => Ok(Outcome::ProvedEmpty),
+                false if bounds.is_finite() => Ok(probe.is_there(&effect, &bounds, 2 * FEW)?.into()),
                 false => {
                     // what an operand of an intersection cuts off lies outside of the model
                     let around = probe.frame.grown(probe.frame.size().length());
-                    let bounds = if bounds.is_finite() { bounds } else { bounds.intersection(&around) };
+                    let bounds = bounds.intersection(&around);
+                    if bounds.is_empty() {
+                        return Ok(Outcome::Nothing);
+                    }
+                    // rays measure pieces with two ends: a ray that ends in an unbounded part, such as a half-space, has none there
+                    let within = Primitive::from(BoxFromCorners::new(bounds.lo, bounds.hi)?);
+                    let effect = &effect & &Solid::from(within);
                     Ok(probe.is_there(&effect, &bounds, 2 * FEW)?.into())
                 }
             }
@@ -222,6 +229,12 @@ fn united(solid: &Solid) -> Vec<Solid> {
     }
 }
 
+/// The name of a primitive after "a" or "an". No name begins with a vowel that sounds like a consonant.
+fn with_article(name: &str) -> String {
+    let article = if name.starts_with(['a', 'e', 'i', 'o']) { "an" } else { "a" };
+    format!("{article} {name}")
+}
+
 /// The label of a solid: its name, or its kind.
 fn label(solid: &Solid) -> String {
     let mut solid = solid;
@@ -229,7 +242,7 @@ fn label(solid: &Solid) -> String {
         match solid.node() {
             Node::Named(name, _) => return name.to_string(),
             Node::Transformed(_, inner) | Node::Placed(inner, _) => solid = inner,
-            Node::Primitive(primitive) => return format!("a {}", primitive.name()),
+            Node::Primitive(primitive) => return with_article(primitive.name()),
             Node::Union(_) => return "a union".to_owned(),
             Node::Intersection(_) => return "an intersection".to_owned(),
             Node::Difference(..) => return "a difference".to_owned(),
@@ -238,5 +251,15 @@ fn label(solid: &Solid) -> String {
             Node::Empty => return "empty".to_owned(),
             Node::Universe => return "universe".to_owned(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_article;
+
+    #[test]
+    fn articles() {
+        assert_eq!(["ellipsoid", "sphere"].map(with_article), ["an ellipsoid", "a sphere"]);
     }
 }

@@ -332,10 +332,11 @@ fn walls<E: Evaluator>(
             }
             let place = search.between_faces(evaluator, across.chord, scratch);
             // two faces that meet at an angle have an edge there
-            place.is_some_and(|(place, _)| {
+            let is_beside = place.is_some_and(|(place, _)| {
                 let is_beside = (place.ends[0] - across.middle()).length() <= 16.0 * across.chord.length();
                 is_beside && place.distance <= place.tolerance && !place.is_tangent
-            })
+            });
+            is_beside || search.is_at_edge(evaluator, across.chord, scratch)
         };
         let narrow = seen.thin.get(region);
         let measured = narrow.map(|own| own.measured_by_side(evaluator, &mut is_edge, &mut scratch));

@@ -224,3 +224,22 @@ fn edges_of_intersecting_balls_are_no_walls() {
     assert!(thin.is_empty(), "{thin:?}");
     assert!(report.of(FindingKind::Overlap).count() > 50);
 }
+
+/// A hole near the rim of a disc leaves a wall. One that breaks through the rim leaves edges, at any angle: they are not walls.
+#[test]
+fn a_hole_through_the_rim_leaves_no_wall() {
+    let part = |at: f64| {
+        format!(
+            "[solid.disc]\ncylinder = {{ radius = 60, height = 14 }}\n[solid.hole]\ncylinder = {{ radius = 4.5 }}\n\
+             transform = {{ translate = [{at}, 0, 0] }}\n[solid.part]\nexpr = \"disc - hole\"\n[[region]]\nsolid = \"part\""
+        )
+    };
+    for at in [50.0, 54.0, 55.0, 55.4] {
+        let found = thinnest(&part(at), 2.0, 64, 0);
+        let expected = 60.0 - at - 4.5;
+        assert!(expected > 2.0 || is_near(found, expected), "{at}: {found:?}, not {expected}");
+    }
+    for at in [55.501, 55.51, 55.55, 55.6, 55.7, 55.8, 56.0, 57.0, 58.5, 60.0, 63.0] {
+        assert_eq!(thinnest(&part(at), 2.0, 64, 0), None, "{at}");
+    }
+}
