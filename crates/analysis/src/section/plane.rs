@@ -192,11 +192,12 @@ impl SectionPlane {
 }
 
 impl SectionPlane {
-    /// Like [`fmt::Display`], with digits down to a millionth of a coordinate along an axis: for pictures.
-    pub fn short(&self) -> String {
+    /// Like [`fmt::Display`], with digits of a coordinate along an axis down to a millionth of it or of the size of the section,
+    /// whichever is larger: for pictures.
+    pub fn short(&self, size: f64) -> String {
         match self.form {
             Form::Axis(axis) => {
-                let resolution = 1e-6 * self.offset.abs().max(1e-300);
+                let resolution = 1e-6 * self.offset.abs().max(size).max(1e-300);
                 let place = rayweave_math::format_to_resolution(self.offset, resolution);
                 format!("{} = {place}", ["x", "y", "z"][axis])
             }
@@ -290,7 +291,11 @@ mod tests {
             assert!(text.parse::<SectionPlane>().unwrap_err().to_string().contains("as z=2.5"), "{text}");
         }
         assert_eq!(SectionPlane::across(1, 6.0 - 4.0 * 1.2).unwrap().to_string(), "y = 1.2");
-        assert_eq!(SectionPlane::across(2, 2.204_715_791_100_2).unwrap().short(), "z = 2.2047158");
+        let short = |offset: f64, size: f64| SectionPlane::across(2, offset).unwrap().short(size);
+        assert_eq!(short(2.204_715_791_100_2, 1.0), "z = 2.2047158");
+        assert_eq!(short(-0.000_000_114_400_11, 100.0), "z = 0");
+        assert_eq!(short(-0.000_000_114_400_11, 1e-6), "z = -0.0000001144001");
+        assert_eq!(short(0.25, 100.0), "z = 0.25");
         let slanted = SectionPlane::new(Vec3::ONE, Vec3::new(0.0, 0.0, -4.0)).unwrap();
         assert_eq!(slanted.at(3.0).unwrap().to_string(), "through (1, 1, -2), normal (0, 0, -1)");
         for (point, normal) in

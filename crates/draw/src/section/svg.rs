@@ -101,7 +101,7 @@ fn drawing(
     let shown = chosen(sections);
     let mut svg = Svg::default();
     let note = match (sections, shown.len()) {
-        ([only], _) => only.plane.short(),
+        ([only], _) => only.plane.short((only.hi[0] - only.lo[0]).max(only.hi[1] - only.lo[1])),
         (all, n) if n < all.len() => format!("{n} of {} planes", all.len()),
         (_, n) => format!("{n} planes"),
     };
