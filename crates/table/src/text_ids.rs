@@ -58,7 +58,7 @@ impl TextIds {
 mod tests {
     use super::*;
 
-    /// Equal texts have one number, whether they share memory or not, also where more texts are in use than are known by address.
+    /// Equal texts have one number, whether they share memory or not, also where there are more texts than addresses kept.
     #[test]
     fn equal_texts_have_one_number() {
         let mut ids = TextIds::default();

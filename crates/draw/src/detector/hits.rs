@@ -10,6 +10,9 @@ use rayweave_math::{Bounds, Vec3};
 use std::str::FromStr;
 use std::sync::Arc;
 
+/// The lower and the upper corner of a rectangle.
+type Rectangle = [[f64; 2]; 2];
+
 /// Hits with their sensors.
 #[derive(Clone, Copy, Debug)]
 pub struct HitPositions<'a> {
@@ -151,13 +154,13 @@ struct Panel<'a> {
     hits: usize,
     plane: MapPlane,
     /// The corners of the window.
-    window: [[f64; 2]; 2],
+    window: Rectangle,
     /// One map of the window, or the maps of the sensors in it.
     maps: Vec<HitMap>,
     /// The places of small sensors on the sphere, with their numbers of hits.
     markers: Vec<([f64; 2], f64)>,
     /// The outlines of the sensors, for the hits of several sensors, which may overlap.
-    outlines: Option<Vec<[[f64; 2]; 2]>>,
+    outlines: Option<Vec<Rectangle>>,
 }
 
 /// Draws the number of hits per area of each sensor as colours. Without a plane, the map of each sensor is the projection along the
@@ -312,7 +315,7 @@ fn panels(hits: HitPositions<'_>) -> Vec<Panel<'_>> {
         let plane = plane(sensor);
         Some((sensor, count, plane, frames.window(sensor, plane)?))
     });
-    let windows: Vec<(u32, usize, MapPlane, [[f64; 2]; 2])> = windows.collect();
+    let windows: Vec<(u32, usize, MapPlane, Rectangle)> = windows.collect();
     let cells = cells_of_sensors(hits, windows.iter().map(|&(_, count, _, window)| (count, window)));
     let own = windows.iter().zip(cells);
     let own =
@@ -322,10 +325,7 @@ fn panels(hits: HitPositions<'_>) -> Vec<Panel<'_>> {
 
 /// The number of cells along the longer side of each sensor, by its hits and its window: sensors of equal size have equal cells, for
 /// the one with the most hits.
-fn cells_of_sensors(
-    hits: HitPositions<'_>,
-    sensors: impl Iterator<Item = (usize, [[f64; 2]; 2])>,
-) -> Vec<usize> {
+fn cells_of_sensors(hits: HitPositions<'_>, sensors: impl Iterator<Item = (usize, Rectangle)>) -> Vec<usize> {
     let sensors: Vec<(usize, [f64; 2])> = sensors.map(|(count, window)| (count, size(window))).collect();
     let own = |&(_, own): &(usize, [f64; 2])| {
         let equal = sensors.iter().filter(|(_, other)| are_equal(own, *other));
@@ -336,15 +336,15 @@ fn cells_of_sensors(
 }
 
 /// True if two of some windows have a common area.
-fn any_overlap(windows: &[[[f64; 2]; 2]]) -> bool {
-    let overlap = |[lo, hi]: &[[f64; 2]; 2], [other_lo, other_hi]: &[[f64; 2]; 2]| {
+fn any_overlap(windows: &[Rectangle]) -> bool {
+    let overlap = |[lo, hi]: &Rectangle, [other_lo, other_hi]: &Rectangle| {
         let common = [0, 1].map(|k| hi[k].min(other_hi[k]) - lo[k].max(other_lo[k]));
         (0..2).all(|k| common[k] > EQUAL * (hi[k] - lo[k]).max(other_hi[k] - other_lo[k]))
     };
     windows.iter().enumerate().any(|(k, own)| windows[..k].iter().any(|other| overlap(own, other)))
 }
 
-fn size([lo, hi]: [[f64; 2]; 2]) -> [f64; 2] {
+fn size([lo, hi]: Rectangle) -> [f64; 2] {
     [hi[0] - lo[0], hi[1] - lo[1]]
 }
 
@@ -408,7 +408,7 @@ impl Frames {
     }
 
     /// The lower and the upper corner of a sensor in a projection: of its solid, or else of its hits.
-    fn window(&self, sensor: u32, plane: MapPlane) -> Option<[[f64; 2]; 2]> {
+    fn window(&self, sensor: u32, plane: MapPlane) -> Option<Rectangle> {
         let axes = plane.axes()?;
         let corners = |bounds: &Bounds| [bounds.lo, bounds.hi].map(|corner| axes.map(|k| corner[k]));
         if let Some(solid) = &self.solids[sensor as usize] {
@@ -450,7 +450,7 @@ impl Frames {
     }
 
     /// The corners of all sensors in a projection, and the numbers and outlines of those with a known solid or hits.
-    fn of_all(&self, plane: MapPlane) -> ([[f64; 2]; 2], Vec<usize>, Vec<[[f64; 2]; 2]>) {
+    fn of_all(&self, plane: MapPlane) -> (Rectangle, Vec<usize>, Vec<Rectangle>) {
         let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         let (mut numbers, mut outlines) = (Vec::new(), Vec::new());
         for sensor in 0..self.counts.len() {
@@ -469,7 +469,7 @@ impl Frames {
 }
 
 /// The window of some hits on a sensor of unknown size: evenly distributed hits extend over the part (n - 1) / (n + 1) of it on average.
-fn estimated([mut lo, mut hi]: [[f64; 2]; 2], hits: usize, least: f64) -> [[f64; 2]; 2] {
+fn estimated([mut lo, mut hi]: Rectangle, hits: usize, least: f64) -> Rectangle {
     let margin = |extent: f64| extent / (hits.max(2) - 1) as f64;
     let margins = [0, 1].map(|k| margin(hi[k] - lo[k]));
     let longer = [0, 1].map(|k| hi[k] - lo[k] + 2.0 * margins[k]).into_iter().fold(0.0, f64::max);
@@ -488,7 +488,7 @@ impl<'a> Panel<'a> {
         hits: HitPositions<'a>,
         sensor: u32,
         plane: MapPlane,
-        (window, cells): ([[f64; 2]; 2], usize),
+        (window, cells): (Rectangle, usize),
     ) -> Panel<'a> {
         let rows = (0..hits.sensors.len()).filter(|&row| hits.sensors[row] == sensor);
         let points = projected(hits, rows, plane);
@@ -581,7 +581,7 @@ struct HitMap {
 }
 
 /// The corners of the map of all directions: azimuths in degrees and cosines of polar angles.
-const WHOLE_SPHERE: [[f64; 2]; 2] = [[-180.0, -1.0], [180.0, 1.0]];
+const WHOLE_SPHERE: Rectangle = [[-180.0, -1.0], [180.0, 1.0]];
 
 impl HitMap {
     /// The maps of sensors that do not overlap in a projection, given their numbers and windows.
@@ -589,7 +589,7 @@ impl HitMap {
         hits: HitPositions<'_>,
         plane: MapPlane,
         numbers: &[usize],
-        windows: &[[[f64; 2]; 2]],
+        windows: &[Rectangle],
     ) -> Vec<HitMap> {
         let mut points = vec![Vec::new(); hits.names.len()];
         for (&sensor, point) in hits.sensors.iter().zip(projected(hits, 0..hits.sensors.len(), plane)) {
@@ -605,8 +605,8 @@ impl HitMap {
     fn of_overlapping(
         hits: HitPositions<'_>,
         plane: MapPlane,
-        window: [[f64; 2]; 2],
-        sensors: &[[[f64; 2]; 2]],
+        window: Rectangle,
+        sensors: &[Rectangle],
     ) -> HitMap {
         let points = projected(hits, 0..hits.sensors.len(), plane);
         let area = |[width, height]: [f64; 2]| width * height;
@@ -621,7 +621,7 @@ impl HitMap {
     }
 
     /// A map whose cells divide a window, with a number of cells along the longer side.
-    fn new(points: &[[f64; 2]], [mut lo, mut hi]: [[f64; 2]; 2], most: usize) -> HitMap {
+    fn new(points: &[[f64; 2]], [mut lo, mut hi]: Rectangle, most: usize) -> HitMap {
         let far = lo.iter().chain(&hi).fold(0.0, |far: f64, x| far.max(x.abs()));
         let longer = (hi[0] - lo[0]).max(hi[1] - lo[1]);
         let longer = if longer > 0.0 { longer } else { (1e-6 * far).max(1e-6) };
@@ -646,7 +646,7 @@ impl HitMap {
         HitMap::of_cells(points, WHOLE_SPHERE, cells, solid_angle)
     }
 
-    fn of_cells(points: &[[f64; 2]], [lo, hi]: [[f64; 2]; 2], cells: [usize; 2], area: f64) -> HitMap {
+    fn of_cells(points: &[[f64; 2]], [lo, hi]: Rectangle, cells: [usize; 2], area: f64) -> HitMap {
         let size = [0, 1].map(|k| (hi[k] - lo[k]) / cells[k] as f64);
         let mut values = vec![0.0; cells[0] * cells[1]];
         for point in points {

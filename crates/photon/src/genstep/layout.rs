@@ -134,7 +134,7 @@ fn unknown_kind(row: usize, kind: f64) -> PhotonError {
 /// The error of a kind of `OpticksGenstep.h` without particles, of one in another layout, or of a number stored as a float.
 fn unknown_opticks_kind(row: usize, kind: u32) -> PhotonError {
     let as_float = f32::from_bits(kind);
-    if as_float >= 1.0 && as_float < 256.0 && as_float.fract() == 0.0 {
+    if (1.0..256.0).contains(&as_float) && as_float.fract() == 0.0 {
         let message = Message::new(
             format!("genstep {row} has the kind {as_float} as a floating-point number"),
             "the kind, the track, the material and the number of photons are the bits of 32-bit integers",

@@ -85,6 +85,7 @@ impl Gensteps {
         }
         let mut notes = compare_yields(detector, gensteps, &steps);
         notes.extend(unused_names(gensteps, materials));
+        notes.extend(misplaced(detector, evaluator, gensteps, materials));
         Ok(Gensteps { steps, first, notes })
     }
 
@@ -106,7 +107,7 @@ impl Gensteps {
     }
 
     /// Sentences about numbers of Cerenkov photons that the index of their material does not explain, a sign that another
-    /// material was meant; and about names of numbers that no genstep has.
+    /// material was meant; about names of numbers that no genstep has; and about gensteps that are not in the material named for them.
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
@@ -215,11 +216,7 @@ fn material_numbers<E: Evaluator>(
     }
     let unnamed: Vec<usize> =
         (0..gensteps.len()).filter(|&row| !names.contains_key(&gensteps[row].material)).collect();
-    let middle = |row: &usize| gensteps[*row].position + 0.5 * gensteps[*row].displacement;
-    let columns = [0, 1, 2].map(|axis| unnamed.iter().map(|row| middle(row)[axis]).collect::<Vec<f64>>());
-    let mut regions = vec![RegionId(0); unnamed.len()];
-    let points = columns.each_ref().map(Vec::as_slice);
-    evaluator.regions_at(points, &mut evaluator.scratch(), &mut regions);
+    let regions = regions_of(evaluator, gensteps, &unnamed);
     for (row, region) in unnamed.into_iter().zip(regions) {
         let number = gensteps[row].material;
         let problem = |reason: String| {
@@ -238,6 +235,49 @@ fn material_numbers<E: Evaluator>(
         }
     }
     Ok(found)
+}
+
+/// The regions around the middles of some gensteps.
+fn regions_of<E: Evaluator>(evaluator: &E, gensteps: &[Genstep], rows: &[usize]) -> Vec<RegionId> {
+    let middle = |row: &usize| gensteps[*row].position + 0.5 * gensteps[*row].displacement;
+    let columns = [0, 1, 2].map(|axis| rows.iter().map(|row| middle(row)[axis]).collect::<Vec<f64>>());
+    let mut regions = vec![RegionId(0); rows.len()];
+    evaluator.regions_at(columns.each_ref().map(Vec::as_slice), &mut evaluator.scratch(), &mut regions);
+    regions
+}
+
+/// A sentence about gensteps in another material than the one named for their number: the detector may not be that of the
+/// simulation that wrote them, or the names may be wrong.
+fn misplaced<E: Evaluator>(
+    detector: &Detector,
+    evaluator: &E,
+    gensteps: &[Genstep],
+    names: &BTreeMap<u32, String>,
+) -> Option<String> {
+    let named: Vec<usize> =
+        (0..gensteps.len()).filter(|&row| names.contains_key(&gensteps[row].material)).collect();
+    let regions = regions_of(evaluator, gensteps, &named);
+    let around = |region: RegionId| match region.0 {
+        0 => None,
+        _ => {
+            detector.materials.get(detector.material_of[region.index()] as usize).map(|own| own.name.as_str())
+        }
+    };
+    let differs = |&(row, region): &(usize, RegionId)| {
+        around(region) != names.get(&gensteps[row].material).map(String::as_str)
+    };
+    let others: Vec<(usize, RegionId)> = named.into_iter().zip(regions).filter(differs).collect();
+    let &(row, region) = others.first()?;
+    let name = &names[&gensteps[row].material];
+    let place = around(region).map_or("outside the world".to_owned(), |other| format!("in `{other}`"));
+    let count = match others.len() {
+        1 => "1 genstep is".to_owned(),
+        count => format!("{count} gensteps are"),
+    };
+    Some(format!(
+        "{count} not in the material that is named for their number: the middle of genstep {row}, of `{name}`, is {place}. Their \
+         light starts where they are."
+    ))
 }
 
 /// The light of a genstep in its material.

@@ -19,6 +19,7 @@ pub use volume::SourceVolume;
 
 /// Photons by number: the photon of a number is a function of the seed, the event and the number alone.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a run has one source")]
 pub enum Source {
     /// Photons of one kind, from a point, a line, a surface or a volume.
     Torch(Torch),

@@ -285,6 +285,23 @@ fn unused_names_of_materials_are_reported() {
     assert!(notes(&[]).is_empty());
 }
 
+/// Gensteps that lie in another material than the named one are reported.
+#[test]
+fn gensteps_in_another_material_are_reported() {
+    let detector = slab();
+    let inside = Genstep { photons: 10, ..scintillation(None, 0.0, None) };
+    let beyond = Genstep { position: inside.position + Vec3::new(1e6, 0.0, 0.0), ..inside };
+    let name = detector.materials().iter().find(|own| !own.scintillation.is_empty()).unwrap().name.clone();
+    let names = BTreeMap::from([(inside.material, name.clone())]);
+    let evaluator = Packets::new(detector.program().clone());
+    let notes =
+        |steps: &[Genstep]| Gensteps::new(&detector, &evaluator, steps, &names).unwrap().notes().to_vec();
+    assert!(notes(&[inside; 2]).is_empty(), "{:?}", notes(&[inside; 2]));
+    let [note] = &notes(&[inside, beyond, beyond])[..] else { panic!("one note") };
+    assert!(note.starts_with("2 gensteps are not in the material"), "{note}");
+    assert!(note.contains(&format!("genstep 1, of `{name}`, is outside the world")), "{note}");
+}
+
 /// The layouts of Opticks and Geant4 hold the same steps.
 #[test]
 fn layouts_are_equal() {
