@@ -308,8 +308,8 @@ impl<'a> Lines<'a> {
 
     /// The end of a face, in the direction of the axis or against it.
     ///
-    /// Where a rounding touches the cylinder, the lines at a distance d from it reach the rounding, of radius r, sqrt(2 r d) beyond the
-    /// end. Lines at four times the distance reach twice as far, and the end follows from both.
+    /// If a rounding of radius r touches the cylinder there, a line at a distance d from the cylinder ends sqrt(2 r d) beyond the face.
+    /// A line at four times the distance ends twice as far beyond, and the end of the face follows from both.
     fn end<E: Evaluator>(
         &self,
         group: &[Stretch],

@@ -8,7 +8,7 @@
 //! lines. The points of an edge, corners included, therefore lie on the surfaces up to rounding error, and edges deviate by at
 //! most the tolerance. Straight edges stay straight: the points at their ends are kept when others are left out.
 //!
-//! Where the plane passes through a round edge, such as that between a cylinder and its chamfer, rounding decides which of the two faces
+//! If the plane passes through a round edge, such as that between a cylinder and its chamfer, rounding decides which of the two faces
 //! a scan line crosses; crossings that lie in the surfaces of each other count as crossings of the same face.
 //!
 //! Scan lines are evenly spaced, with additional ones at both ends and in the middle of the box of every leaf. A

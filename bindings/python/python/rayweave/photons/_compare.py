@@ -200,7 +200,7 @@ def compare(
     """
     with tempfile.TemporaryDirectory() as folder:
         paths = [_path(sample, Path(folder, name)) for sample, name in ((a, "a.npy"), (b, "b.npy"))]
-        numbers = None if photons is None else [whole(own, "photons", least=0, bits=63) for own in photons]
+        numbers = None if photons is None else _pair(photons)
         row: CompareRow = _core.compare_photons(paths[0], paths[1], float(least), bool(flags), bool(hits), numbers)
     _, counts, is_hits, hits_z, quantities, missing, pairs = row
     given = [str(sample) if isinstance(sample, str | PathLike) else type(sample).__name__ for sample in (a, b)]
@@ -220,6 +220,14 @@ def compare(
         None if pairs is None else pairs[1],
         first,
     )
+
+
+def _pair(photons: tuple[int, int]) -> tuple[int, int]:
+    """The numbers of photons of both runs."""
+    if len(photons) != 2:
+        raise _core.RayweaveError(f"photons has {len(photons)} numbers: two are needed, of run a and run b.")
+    a, b = photons
+    return whole(a, "photons", least=0, bits=63), whole(b, "photons", least=0, bits=63)
 
 
 def _path(sample: Sample, target: Path) -> Path:
