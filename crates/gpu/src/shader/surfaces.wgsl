@@ -182,15 +182,21 @@ fn cylinder(at: u32, r: Ray) -> Roots {
     return quadratic(a, b, c, ea, eb, ec, s);
 }
 
-// data: (centre, error of a component), three axes, each with an error: of a component of the axes, of a weight, of a linear
-// coefficient; (weights, constant), (linear coefficients along the axes, error of the constant). Cones, too.
-fn quadric(at: u32, r: Ray) -> Roots {
+// A ray along three axes with the origin in a centre, p + x y with x the time after `s`, and the bounds of the errors of components.
+struct AxisRay {
+    p: vec3f,
+    ep: vec3f,
+    y: vec3f,
+    ey: vec3f,
+    s: f32,
+}
+
+// data: (centre, error of a component), three axes, the first with the error of a component of the axes
+fn along_axes(at: u32, r: Ray) -> AxisRay {
     let m = data[at];
     let e1 = data[at + 1u];
     let e2 = data[at + 2u];
     let e3 = data[at + 3u];
-    let w = data[at + 4u];
-    let l = data[at + 5u];
     let q = r.o - m.xyz;
     let s = -sum(q * r.d) / sum(r.d * r.d);
     let sd = s * r.d;
@@ -203,6 +209,20 @@ fn quadric(at: u32, r: Ray) -> Roots {
     let ey = ROOM
         * (n1 * r.ed + e1.w * l1(r.d) + EPS * 3.0 * vec3f(l1(e1.xyz * r.d), l1(e2.xyz * r.d), l1(e3.xyz * r.d)))
         + TINY;
+    return AxisRay(p, ep, y, ey, s);
+}
+
+// data: those of `along_axes`, the second and the third axis with the error of a weight and of a linear coefficient; (weights, constant), (linear coefficients along the axes, error of the constant). Cones, too.
+fn quadric(at: u32, r: Ray) -> Roots {
+    let e2 = data[at + 2u];
+    let e3 = data[at + 3u];
+    let w = data[at + 4u];
+    let l = data[at + 5u];
+    let own = along_axes(at, r);
+    let p = own.p;
+    let ep = own.ep;
+    let y = own.y;
+    let ey = own.ey;
     let aw = abs(w.xyz) + e2.w;
     let al = abs(l.xyz) + e3.w;
     let wpp = w.xyz * p * p;
@@ -222,7 +242,7 @@ fn quadric(at: u32, r: Ray) -> Roots {
     let wyy = w.xyz * y * y;
     let a = sum(wyy);
     let ea = ROOM * (sum(aw * (2.0 * abs(y) * ey + ey * ey)) + e2.w * sum(y * y) + EPS * 4.0 * l1(wyy)) + TINY;
-    return quadratic(a, b, c, ea, eb, ec, s);
+    return quadratic(a, b, c, ea, eb, ec, own.s);
 }
 
 // The ball around a leaf that has facets without a kernel: the leaf is not outside of it, and inside of it the CPU decides.

@@ -103,30 +103,13 @@ fn nonzero(x: f32) -> f32 {
     return select(x, TINY, abs(x) < TINY);
 }
 
-// A candidate for a zero of the slope in a piece, from a point on one side of it: the steps approach it from there.
-fn torus_turn(l: TorusLine, start: f32, lo: f32, hi: f32) -> f32 {
+// A candidate for a zero of G in a piece, or of its slope, from a point on one side of it: the steps approach it from there.
+fn torus_zero(l: TorusLine, of_slope: bool, start: f32, lo: f32, hi: f32) -> f32 {
     var x = start;
     for (var i = 0u; i < STEPS_TO_ROOT; i++) {
         let e = torus_estimate(l, x);
-        let next = clamp(x - e.y / nonzero(e.z), lo, hi);
-        if !(abs(next - x) > EPS * (abs(x) + abs(next))) {
-            break;
-        }
-        x = next;
-        // there is none before the end
-        if x == lo || x == hi {
-            break;
-        }
-    }
-    return x;
-}
-
-// A candidate for a zero of G, likewise.
-fn torus_root(l: TorusLine, start: f32, lo: f32, hi: f32) -> f32 {
-    var x = start;
-    for (var i = 0u; i < STEPS_TO_ROOT; i++) {
-        let e = torus_estimate(l, x);
-        let next = clamp(x - 0.5 * e.x / nonzero(e.y), lo, hi);
+        let step = select(0.5 * e.x / nonzero(e.y), e.y / nonzero(e.z), of_slope);
+        let next = clamp(x - step, lo, hi);
         if !(abs(next - x) > EPS * (abs(x) + abs(next))) {
             break;
         }
@@ -236,9 +219,9 @@ fn torus_pieces(line: TorusLine) -> TorusLine {
     }
     // half of the slope is concave before the point nearest to the axis, and convex after it
     let is_late = l.bends.x == l.span && torus_estimate(l, nearest).y < 0.0;
-    l.turns.x = torus_turn(l, select(-l.span, l.span, is_late), -l.span, l.bends.x);
-    l.turns.z = torus_turn(l, l.span, l.bends.y, l.span);
-    l.turns.y = torus_turn(l, clamp(axis, l.bends.x, l.bends.y), l.bends.x, l.bends.y);
+    l.turns.x = torus_zero(l, true, select(-l.span, l.span, is_late), -l.span, l.bends.x);
+    l.turns.z = torus_zero(l, true, l.span, l.bends.y, l.span);
+    l.turns.y = torus_zero(l, true, clamp(axis, l.bends.x, l.bends.y), l.bends.x, l.bends.y);
     return l;
 }
 
@@ -261,22 +244,14 @@ fn crossed(l: TorusLine, x: f32) -> Crossed {
 // data: (centre, error of a component), (first axis across, error of a component of the axes), (second axis across, major radius),
 // (axis, minor radius), (errors of the radii)
 fn torus_chords(at: u32, r: Ray) -> Chords {
-    let m = data[at];
-    let e1 = data[at + 1u];
     let e2 = data[at + 2u];
     let e3 = data[at + 3u];
-    let q = r.o - m.xyz;
-    let s = -sum(q * r.d) / sum(r.d * r.d);
-    let sd = s * r.d;
-    let z = q + sd;
-    let ez = ROOM * (EPS * (largest(q) + largest(sd) + largest(z)) + m.w + r.eo + abs(s) * r.ed) + TINY;
-    let n1 = vec3f(l1(e1.xyz), l1(e2.xyz), l1(e3.xyz)) + 3.0 * e1.w;
-    let p = vec3f(sum(e1.xyz * z), sum(e2.xyz * z), sum(e3.xyz * z));
-    let y = vec3f(sum(e1.xyz * r.d), sum(e2.xyz * r.d), sum(e3.xyz * r.d));
-    let ep = ROOM * (n1 * ez + e1.w * l1(z) + EPS * 3.0 * vec3f(l1(e1.xyz * z), l1(e2.xyz * z), l1(e3.xyz * z))) + TINY;
-    let ey = ROOM
-        * (n1 * r.ed + e1.w * l1(r.d) + EPS * 3.0 * vec3f(l1(e1.xyz * r.d), l1(e2.xyz * r.d), l1(e3.xyz * r.d)))
-        + TINY;
+    let own = along_axes(at, r);
+    let p = own.p;
+    let ep = own.ep;
+    let y = own.y;
+    let ey = own.ey;
+    let s = own.s;
     let yy = y * y;
     let a = sum(yy);
     let ea = ROOM * (sum(abs(y) * (2.0 * ey) + ey * ey) + EPS * 3.0 * a) + TINY;
@@ -324,7 +299,7 @@ fn torus_chords(at: u32, r: Ray) -> Chords {
         let side = select(1.0, -1.0, (n & 1u) == 1u);
         var next = Crossed(span, span, side > 0.0);
         if k < 4u {
-            next = crossed(l, torus_root(l, brackets[k].x, brackets[k].y, brackets[k].z));
+            next = crossed(l, torus_zero(l, false, brackets[k].x, brackets[k].y, brackets[k].z));
         }
         // the CPU decides if intervals overlap or leave the span
         if !(next.certain && next.lo > from_ && holds_between(l, side, from_, next.lo)) {

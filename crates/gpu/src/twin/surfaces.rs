@@ -72,16 +72,20 @@ pub(crate) fn sphere(
     ([(a, ea), (b, eb), (k, ec)], s)
 }
 
-/// `[a, b, c]` of a quadric about the time s, and s. The rows are those of the shader.
-pub(crate) fn quadric(
-    m: &mut Adversary,
-    room: f32,
-    rows: &[[f32; 4]; 6],
-    r: &TwinRay,
-) -> ([Bounded; 3], f32) {
+/// A ray along three axes with the origin in a centre, `p + x y` with x the time after s, and the bounds of the errors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AxisRay {
+    pub p: V3,
+    pub ep: V3,
+    pub y: V3,
+    pub ey: V3,
+    pub s: f32,
+}
+
+/// The ray along axes; the first four rows are those of the shader.
+pub(crate) fn along_axes(m: &mut Adversary, room: f32, rows: &[[f32; 4]], r: &TwinRay) -> AxisRay {
     let xyz = |k: usize| [rows[k][0], rows[k][1], rows[k][2]];
-    let (axes, w, l) = ([xyz(1), xyz(2), xyz(3)], xyz(4), xyz(5));
-    let [em, ee, ew, el, constant, ek] = std::array::from_fn(|k| rows[k][3]);
+    let (axes, em, ee) = ([xyz(1), xyz(2), xyz(3)], rows[0][3], rows[1][3]);
     let q = m.map(r.o, xyz(0), Adversary::sub);
     let qd = m.dot(q, r.d);
     let dd = m.dot(r.d, r.d);
@@ -96,6 +100,20 @@ pub(crate) fn quadric(
         |k: usize, v: V3, e: f32| room * (n1[k] * e + ee * l1(v) + EPS * 3.0 * l1(times(axes[k], v))) + TINY;
     let ep: V3 = std::array::from_fn(|k| error(k, z, ez));
     let ey: V3 = std::array::from_fn(|k| error(k, r.d, r.ed));
+    AxisRay { p, ep, y, ey, s }
+}
+
+/// `[a, b, c]` of a quadric about the time s, and s. The rows are those of the shader.
+pub(crate) fn quadric(
+    m: &mut Adversary,
+    room: f32,
+    rows: &[[f32; 4]; 6],
+    r: &TwinRay,
+) -> ([Bounded; 3], f32) {
+    let xyz = |k: usize| [rows[k][0], rows[k][1], rows[k][2]];
+    let (w, l) = (xyz(4), xyz(5));
+    let [_, _, ew, el, constant, ek] = std::array::from_fn(|k| rows[k][3]);
+    let AxisRay { p, ep, y, ey, s } = along_axes(m, room, rows, r);
     let (aw, al) = (w.map(|x| x.abs() + ew), l.map(|x| x.abs() + el));
     let wp = m.product(w, p);
     let wpp = m.product(wp, p);

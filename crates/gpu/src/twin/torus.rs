@@ -1,7 +1,7 @@
 //! Coefficients of tori along a ray with their error bounds: the functions of `shader/torus.wgsl`, operation by operation.
 
 use super::adversary::{Adversary, V3};
-use super::surfaces::{Bounded, TwinRay, l1, largest, times};
+use super::surfaces::{AxisRay, Bounded, TwinRay, along_axes, l1};
 
 const EPS: f32 = f32::EPSILON;
 const TINY: f32 = 1e-30;
@@ -26,22 +26,7 @@ pub(crate) fn line(
     rows: &[[f32; 4]; 5],
     r: &TwinRay,
 ) -> (TwinLine, [Bounded; 2], f32) {
-    let xyz = |k: usize| [rows[k][0], rows[k][1], rows[k][2]];
-    let (axes, em, ee) = ([xyz(1), xyz(2), xyz(3)], rows[0][3], rows[1][3]);
-    let q = m.map(r.o, xyz(0), Adversary::sub);
-    let qd = m.dot(q, r.d);
-    let dd = m.dot(r.d, r.d);
-    let s = m.div(-qd, dd);
-    let sd = m.product([s; 3], r.d);
-    let z = m.map(q, sd, Adversary::add);
-    let ez = room * (EPS * (largest(q) + largest(sd) + largest(z)) + em + r.eo + s.abs() * r.ed) + TINY;
-    let n1 = axes.map(|axis| l1(axis) + 3.0 * ee);
-    let p = axes.map(|axis| m.dot(axis, z));
-    let y = axes.map(|axis| m.dot(axis, r.d));
-    let error =
-        |k: usize, v: V3, e: f32| room * (n1[k] * e + ee * l1(v) + EPS * 3.0 * l1(times(axes[k], v))) + TINY;
-    let ep: V3 = std::array::from_fn(|k| error(k, z, ez));
-    let ey: V3 = std::array::from_fn(|k| error(k, r.d, r.ed));
+    let AxisRay { p, ep, y, ey, s } = along_axes(m, room, rows, r);
     let yy = m.product(y, y);
     let a = m.sum(yy);
     let two: V3 = std::array::from_fn(|k| y[k].abs() * (2.0 * ey[k]) + ey[k] * ey[k]);

@@ -6,7 +6,7 @@ use rayweave_conformance::{Model, Random, Style, rays};
 use rayweave_gpu::{Gpu, GpuError, GpuProgram, GpuReport};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::{
-    Collected, Evaluator, FirstHits, Program, Query, RayBatch, Region, RegionId, Solid, Window,
+    Collected, Evaluator, FirstHitColumns, Program, Query, RayBatch, Region, RegionId, Solid, Window,
 };
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
@@ -25,46 +25,20 @@ fn adapter() -> Option<rayweave_gpu::Adapter> {
     }
 }
 
-struct Columns {
-    t: Vec<f64>,
-    face: Vec<i32>,
-    placement: Vec<u32>,
-    before: Vec<u32>,
-    after: Vec<u32>,
-    normal: [Vec<f64>; 3],
+/// Columns whose numbers no query writes.
+fn columns(rays: &RayBatch) -> FirstHitColumns {
+    let mut columns = FirstHitColumns::new(rays.len());
+    columns.face.fill(77);
+    for numbers in [&mut columns.placement, &mut columns.before, &mut columns.after] {
+        numbers.fill(77);
+    }
+    columns
 }
 
-impl Columns {
-    fn new(count: usize) -> Columns {
-        let normal = std::array::from_fn(|_| vec![0.0; count]);
-        let numbers = || vec![77; count];
-        Columns {
-            t: vec![0.0; count],
-            face: vec![77; count],
-            placement: numbers(),
-            before: numbers(),
-            after: numbers(),
-            normal,
-        }
-    }
-
-    fn hits(&mut self) -> FirstHits<'_> {
-        let [x, y, z] = &mut self.normal;
-        FirstHits {
-            t: &mut self.t,
-            face: &mut self.face,
-            placement: &mut self.placement,
-            before: &mut self.before,
-            after: &mut self.after,
-            normal: Some([x, y, z]),
-        }
-    }
-
-    /// The answer for a ray, as bits.
-    fn bits(&self, i: usize) -> (u64, i32, [u32; 3], [u64; 3]) {
-        let normal = std::array::from_fn(|k| self.normal[k][i].to_bits());
-        (self.t[i].to_bits(), self.face[i], [self.placement[i], self.before[i], self.after[i]], normal)
-    }
+/// The answer for a ray, as bits.
+fn bits(own: &FirstHitColumns, i: usize) -> (u64, i32, [u32; 3], [u64; 3]) {
+    let normal = own.normal(i).to_array().map(f64::to_bits);
+    (own.t[i].to_bits(), own.face[i], [own.placement[i], own.before[i], own.after[i]], normal)
 }
 
 /// Compares all rays; returns what the query cost.
@@ -79,13 +53,13 @@ fn check(
         Err(GpuError::Unsupported(_)) => return None,
         Err(problem) => panic!("{what}: {problem}"),
     };
-    let (mut ours, mut theirs) = (Columns::new(rays.len()), Columns::new(rays.len()));
+    let (mut ours, mut theirs) = (columns(rays), columns(rays));
     let report = gpu.nearest(rays.rays(), &mut ours.hits()).unwrap();
     let cpu = Packets::new(program.clone());
     let window = Window::new(0.0, f64::INFINITY).unwrap();
     cpu.nearest(rays.rays(), window, &mut cpu.scratch(), &mut theirs.hits());
     for i in 0..rays.len() {
-        assert_eq!(ours.bits(i), theirs.bits(i), "{what}: ray {i}, {:?}", rays.rays().get(i));
+        assert_eq!(bits(&ours, i), bits(&theirs, i), "{what}: ray {i}, {:?}", rays.rays().get(i));
     }
     assert_eq!(report.contradicted, 0, "{what}");
     Some(report)
@@ -122,8 +96,8 @@ fn queries_of_all_kinds_in_turn() {
     let rays = chords(&mut Random::new(5), 1.0, 1000);
     let cpu = Packets::new(program);
     for most in [1, 2, 1] {
-        let mut columns = Columns::new(rays.len());
-        gpu.nearest(rays.rays(), &mut columns.hits()).unwrap();
+        let mut found = columns(&rays);
+        gpu.nearest(rays.rays(), &mut found.hits()).unwrap();
         let (first, _) = gpu.collect(rays.rays(), &Query::nearest(), NonZeroUsize::MIN).unwrap();
         assert_eq!(first, cpu.collect(rays.rays(), &Query::nearest()).unwrap());
         let (all, _) = gpu.crossings(rays.rays(), NonZeroUsize::new(most).unwrap()).unwrap();
