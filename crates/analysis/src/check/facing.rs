@@ -12,7 +12,7 @@ use super::edges::{Ends, FaceKey, Feature, Grid, Hits, Surfaces, features, regio
 use super::probe::{Budget, IN_STARTS};
 use super::stratum::{Closest, closest};
 use crate::measure::MeasuredChord;
-use crate::survey::{Across, span_around};
+use crate::survey::{Across, Faces, span_around};
 use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3};
 use rayweave_model::{Crossing, Evaluator, Program, Query, RayAnswer, RayBatch, RegionId, attributes};
 use rayweave_shape::Ray;
@@ -65,6 +65,9 @@ const RESOLVED: f64 = 1e-12;
 /// The rounding error of a distance, relative to the diagonal of the model, as for signed distances ([`crate::distance`]).
 const SHORTEST: f64 = 256.0 * UNIT_ROUNDOFF;
 
+/// The angle in radians above which faces are not parallel.
+const LEAST_ANGLE: f64 = 1e-3;
+
 /// The parts of the way from an edge to a chord beside it where the region is examined.
 const PARTS_OF_WEDGE: [f64; 3] = [0.01, 0.1, 0.5];
 
@@ -84,6 +87,8 @@ pub(super) struct Search<'p> {
     surfaces: Surfaces<'p>,
     starts: BTreeMap<Pair, Vec<Start>>,
     frame: Bounds,
+    /// The diagonal of the box of the program.
+    diagonal: f64,
     /// Ways longer than this do not matter, apart from the distance between neighbouring points of an edge.
     limit: f64,
     /// The number of leaves that a ray through the model reaches.
@@ -100,6 +105,7 @@ impl<'p> Search<'p> {
             surfaces: Surfaces::new(program),
             starts: BTreeMap::new(),
             frame,
+            diagonal: program.bounds().size().length(),
             limit,
             leaves,
             count: 0,
@@ -298,33 +304,69 @@ impl Search<'_> {
         chord: MeasuredChord,
         scratch: &mut E::Scratch,
     ) -> Option<(Closest, RegionId)> {
-        let (ends, region) = self.faces_of(evaluator, chord, scratch)?;
-        let ends = ends.map(|number| Ends::Common(vec![number]));
+        let (faces, region) = self.faces_of(evaluator, chord, scratch)?;
+        Some((self.shortest(evaluator, chord, (faces, region), scratch)?, region))
+    }
+
+    /// The shortest way between two faces, by the numbers of their surfaces, within a region near one of its chords.
+    fn shortest<E: Evaluator>(
+        &mut self,
+        evaluator: &E,
+        chord: MeasuredChord,
+        (faces, region): ([usize; 2], RegionId),
+        scratch: &mut E::Scratch,
+    ) -> Option<Closest> {
+        let ends = faces.map(|number| Ends::Common(vec![number]));
         let strata = [self.surfaces.stratum(&ends[0]), self.surfaces.stratum(&ends[1])];
         let scale = self.frame.size().length();
         let place = closest(&strata, [chord.from, chord.to], STEP * scale)?;
         let is_there = place.distance <= place.tolerance
             || joined(evaluator, region, place.chord(), place.tolerance, scratch).is_some();
-        is_there.then_some((place, region))
+        is_there.then_some(place)
     }
 
-    /// True if the faces of a chord meet in an edge of the region beside it: the chord is not longer than the wedge at this edge is
-    /// wide there, and the region fills the wedge up to the edge.
-    pub fn is_at_edge<E: Evaluator>(
+    /// True if a narrow place of a region is at one of its edges, and no wall: its faces meet at an angle beside it, or are as near to
+    /// each other as rounding allows.
+    pub fn is_edge<E: Evaluator>(
+        &mut self,
+        evaluator: &E,
+        across: &Across,
+        scratch: &mut E::Scratch,
+    ) -> bool {
+        let chord = across.chord;
+        if self.is_rounding(across) {
+            return true;
+        }
+        let Some(faces) = self.faces_of(evaluator, chord, scratch) else { return false };
+        let is_beside = self.shortest(evaluator, chord, faces, scratch).is_some_and(|place| {
+            let is_beside = (place.ends[0] - across.middle()).length() <= 16.0 * chord.length();
+            is_beside && place.distance <= place.tolerance && !place.is_tangent
+        });
+        is_beside || self.is_in_wedge(evaluator, chord, faces, scratch)
+    }
+
+    /// True for a chord as short as rounding or, between faces that are not parallel, a width of this size, which depends on the
+    /// distance from the origin as well: near the edge of a wedge, no other faces are as near to each other.
+    fn is_rounding(&self, across: &Across) -> bool {
+        let far = across.middle().length() + self.diagonal;
+        let is_parallel = (across.normals[0] + across.normals[1]).length() <= LEAST_ANGLE;
+        across.chord.length() <= SHORTEST * self.frame.size().length()
+            || !is_parallel && across.width(Faces::Wall) <= SHORTEST * far
+    }
+
+    /// True if two faces of a region meet in an edge beside a chord between them: the chord is not longer than the wedge at this edge
+    /// is wide there, and the region fills the wedge up to the edge.
+    fn is_in_wedge<E: Evaluator>(
         &mut self,
         evaluator: &E,
         chord: MeasuredChord,
+        ([a, b], region): ([usize; 2], RegionId),
         scratch: &mut E::Scratch,
     ) -> bool {
-        let scale = self.frame.size().length();
-        if chord.length() <= SHORTEST * scale {
-            return true;
-        }
-        let Some(([a, b], region)) =
-            self.faces_of(evaluator, chord, scratch).filter(|(ends, _)| ends[0] != ends[1])
-        else {
+        if a == b {
             return false;
-        };
+        }
+        let scale = self.frame.size().length();
         let middle = 0.5 * (chord.from + chord.to);
         let edge = self.surfaces.stratum(&Ends::Common(vec![a, b])).project(middle);
         let Some((edge, units)) = edge else { return false };

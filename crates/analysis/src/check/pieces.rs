@@ -12,7 +12,7 @@ use super::{Finding, FindingKind, Scope};
 use crate::AnalysisError;
 use crate::error::Cancelled;
 use crate::survey::{Across, Faces, Piece};
-use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3};
+use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Program, RegionId};
 use rayweave_shape::surface::delta_of;
 use std::collections::{BTreeMap, BTreeSet};
@@ -305,16 +305,6 @@ fn listed(
     found
 }
 
-/// The angle in radians above which faces are not parallel: near the edge of a wedge, no other faces are as near to each other.
-const LEAST_ANGLE: f64 = 1e-3;
-
-/// True if two faces are as near to each other as rounding allows, and not parallel: they have an edge there, although points between
-/// them may appear to be outside of the region.
-fn meets_at_edge(across: &Across, diagonal: f64) -> bool {
-    let rounding = 256.0 * UNIT_ROUNDOFF * (across.middle().length() + diagonal);
-    across.width(Faces::Wall) <= rounding && (across.normals[0] + across.normals[1]).length() > LEAST_ANGLE
-}
-
 fn walls<E: Evaluator>(
     subject: &Subject<'_>,
     evaluator: &E,
@@ -324,20 +314,9 @@ fn walls<E: Evaluator>(
     thin: f64,
 ) -> Vec<Finding> {
     let (mut found, mut scratch) = (Vec::new(), evaluator.scratch());
-    let diagonal = evaluator.program().bounds().size().length();
     for region in &seen.regions {
-        let mut is_edge = |across: &Across, scratch: &mut E::Scratch| {
-            if meets_at_edge(across, diagonal) {
-                return true;
-            }
-            let place = search.between_faces(evaluator, across.chord, scratch);
-            // two faces that meet at an angle have an edge there
-            let is_beside = place.is_some_and(|(place, _)| {
-                let is_beside = (place.ends[0] - across.middle()).length() <= 16.0 * across.chord.length();
-                is_beside && place.distance <= place.tolerance && !place.is_tangent
-            });
-            is_beside || search.is_at_edge(evaluator, across.chord, scratch)
-        };
+        let mut is_edge =
+            |across: &Across, scratch: &mut E::Scratch| search.is_edge(evaluator, across, scratch);
         let narrow = seen.thin.get(region);
         let measured = narrow.map(|own| own.measured_by_side(evaluator, &mut is_edge, &mut scratch));
         let mut places = Vec::new();
