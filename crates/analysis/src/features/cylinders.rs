@@ -159,6 +159,11 @@ impl Spans {
         count.checked_sub(1).map(|k| self.changes[k].0)
     }
 
+    /// The first change from t on in a direction.
+    fn onward(&self, t: f64, sign: f64) -> Option<f64> {
+        if sign > 0.0 { self.next(t) } else { self.before(t) }
+    }
+
     /// The places where material begins or ends.
     fn ends(&self) -> impl Iterator<Item = f64> {
         let before = std::iter::once(self.start).chain(self.changes.iter().map(|&(_, region)| region));
@@ -370,10 +375,7 @@ impl<'a> Lines<'a> {
             (1..=RADII).map(|k| (line, radius * (1.0 + 0.05 * k as f64))).collect();
         let within = end - sign * SHORT * radius;
         let region = self.pairs[line][1].region(within);
-        let exit = |spans: &Spans| {
-            let after = if sign > 0.0 { spans.next(within) } else { spans.before(within) };
-            after.filter(|_| spans.region(within) == region)
-        };
+        let exit = |spans: &Spans| spans.onward(within, sign).filter(|_| spans.region(within) == region);
         let exits: Vec<Option<f64>> =
             self.spans(evaluator, &places, scratch).iter().map(exit).take_while(Option::is_some).collect();
         let exits: Vec<f64> = exits.into_iter().flatten().collect();
@@ -401,8 +403,7 @@ impl<'a> Lines<'a> {
         let places: Vec<(usize, f64)> = (1..STEPS).map(|k| (line, radius - step * k as f64)).collect();
         let (mut last, mut rise) = (end, f64::INFINITY);
         for (k, spans) in self.spans(evaluator, &places, scratch).iter().enumerate() {
-            let next = if sign > 0.0 { spans.next(within) } else { spans.before(within) };
-            let Some(next) = next.filter(|_| !spans.is_in(within)) else { return end };
+            let Some(next) = spans.onward(within, sign).filter(|_| !spans.is_in(within)) else { return end };
             let further = sign * (next - last);
             if k > 0 && further.abs() < rounding {
                 // a corner is at most as deep as it is wide
