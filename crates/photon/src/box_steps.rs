@@ -41,9 +41,7 @@ pub(crate) struct BoxSteps<'d> {
     alone: Vec<Bounds>,
     /// For each face of each box, true if the function of its surface is negative outside of the box.
     turned: Vec<bool>,
-    /// Two groups of photons make their steps in turn: the steps of the second do not wait for those of the first.
     eight: Box<Eight>,
-    other: Box<Eight>,
     /// The photons that have ended.
     ended: Vec<usize>,
 }
@@ -281,8 +279,8 @@ impl<'d> BoxSteps<'d> {
         };
         let surfaces = cells.boxes.iter().flat_map(|own| own.surfaces.into_iter().enumerate());
         let turned = surfaces.map(is_turned).collect();
-        let (eight, other, ended) = (Box::default(), Box::default(), Vec::new());
-        Some(BoxSteps { level, cells, detector, settings, alone, turned, eight, other, ended })
+        let (eight, ended) = (Box::default(), Vec::new());
+        Some(BoxSteps { level, cells, detector, settings, alone, turned, eight, ended })
     }
 
     /// The place of a photon that starts on one face.
@@ -311,12 +309,7 @@ impl<'d> BoxSteps<'d> {
             }
             let is_last = next == photons.flights.len() && self.eight.active.count_ones() < FEW;
             if is_last || self.settings.cancel.is_cancelled() {
-                (0..LANES).for_each(|lane| self.leave(lane, photons));
-                if self.other.active == 0 {
-                    break;
-                }
-                std::mem::swap(&mut self.eight, &mut self.other);
-                continue;
+                break;
             }
             let ends = self.step(&mut counts);
             let active = self.eight.active;
@@ -328,7 +321,9 @@ impl<'d> BoxSteps<'d> {
                     self.leave(lane, photons);
                 }
             }
-            std::mem::swap(&mut self.eight, &mut self.other);
+        }
+        for lane in 0..LANES {
+            self.leave(lane, photons);
         }
         self.ended.sort_unstable();
         counts
