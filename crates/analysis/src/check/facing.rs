@@ -59,17 +59,11 @@ pub(super) struct Facing {
 /// The step for differences of gradients, relative to the diagonal of the model.
 const STEP: f64 = 1e-5;
 
-/// The rounding error of a point of an edge, relative to the diagonal of the model: some thousand roundings.
-const RESOLVED: f64 = 1e-12;
-
 /// The rounding error of a distance, relative to the diagonal of the model, as for signed distances ([`crate::distance`]).
 const SHORTEST: f64 = 256.0 * UNIT_ROUNDOFF;
 
 /// The angle in radians above which faces are not parallel.
 const LEAST_ANGLE: f64 = 1e-3;
-
-/// The parts of the way from an edge to a chord beside it where the region is examined.
-const PARTS_OF_WEDGE: [f64; 3] = [0.01, 0.1, 0.5];
 
 /// A place to start from.
 #[derive(Clone, Copy, Debug)]
@@ -305,24 +299,13 @@ impl Search<'_> {
         scratch: &mut E::Scratch,
     ) -> Option<(Closest, RegionId)> {
         let (faces, region) = self.faces_of(evaluator, chord, scratch)?;
-        Some((self.shortest(evaluator, chord, (faces, region), scratch)?, region))
-    }
-
-    /// The shortest way between two faces, by the numbers of their surfaces, within a region near one of its chords.
-    fn shortest<E: Evaluator>(
-        &mut self,
-        evaluator: &E,
-        chord: MeasuredChord,
-        (faces, region): ([usize; 2], RegionId),
-        scratch: &mut E::Scratch,
-    ) -> Option<Closest> {
         let ends = faces.map(|number| Ends::Common(vec![number]));
         let strata = [self.surfaces.stratum(&ends[0]), self.surfaces.stratum(&ends[1])];
         let scale = self.frame.size().length();
         let place = closest(&strata, [chord.from, chord.to], STEP * scale)?;
         let is_there = place.distance <= place.tolerance
             || joined(evaluator, region, place.chord(), place.tolerance, scratch).is_some();
-        is_there.then_some(place)
+        is_there.then_some((place, region))
     }
 
     /// True if a narrow place of a region is at one of its edges, and no wall: its faces meet at an angle beside it, or are as near to
@@ -337,12 +320,10 @@ impl Search<'_> {
         if self.is_rounding(across) {
             return true;
         }
-        let Some(faces) = self.faces_of(evaluator, chord, scratch) else { return false };
-        let is_beside = self.shortest(evaluator, chord, faces, scratch).is_some_and(|place| {
+        self.between_faces(evaluator, chord, scratch).is_some_and(|(place, _)| {
             let is_beside = (place.ends[0] - across.middle()).length() <= 16.0 * chord.length();
             is_beside && place.distance <= place.tolerance && !place.is_tangent
-        });
-        is_beside || self.is_in_wedge(evaluator, chord, faces, scratch)
+        })
     }
 
     /// True for a chord as short as rounding or, between faces that are not parallel, a width of this size, which depends on the
@@ -352,33 +333,6 @@ impl Search<'_> {
         let is_parallel = (across.normals[0] + across.normals[1]).length() <= LEAST_ANGLE;
         across.chord.length() <= SHORTEST * self.frame.size().length()
             || !is_parallel && across.width(Faces::Wall) <= SHORTEST * far
-    }
-
-    /// True if two faces of a region meet in an edge beside a chord between them: the chord is not longer than the wedge at this edge
-    /// is wide there, and the region fills the wedge up to the edge.
-    fn is_in_wedge<E: Evaluator>(
-        &mut self,
-        evaluator: &E,
-        chord: MeasuredChord,
-        ([a, b], region): ([usize; 2], RegionId),
-        scratch: &mut E::Scratch,
-    ) -> bool {
-        if a == b {
-            return false;
-        }
-        let scale = self.frame.size().length();
-        let middle = 0.5 * (chord.from + chord.to);
-        let edge = self.surfaces.stratum(&Ends::Common(vec![a, b])).project(middle);
-        let Some((edge, units)) = edge else { return false };
-        let &[first, second] = units.as_slice() else { return false };
-        let away = middle - edge;
-        let width = away.length() * first.cross(second).length();
-        if width > 2.0 * chord.length() + RESOLVED * scale {
-            return false;
-        }
-        let between = PARTS_OF_WEDGE.map(|part| edge + part * away);
-        away.length() <= 1e3 * RESOLVED * scale
-            || regions_at(evaluator, between.into_iter(), scratch).iter().all(|own| *own == region)
     }
 
     /// The numbers of the surfaces at the ends of a chord, and its region.
