@@ -246,6 +246,8 @@ fn read_npy(
         rayweave::table::NpyArrayError::Type(name) => {
             bad_file(path, &format!("its numbers are {name}: they must be float32 or float64."))
         }
+        // whole sentences
+        rayweave::table::NpyArrayError::Header(text) => bad_file(path, &text),
         error => bad_file(path, &format!("the array cannot be read: {error}.")),
     })?;
     if is_shape(&array.shape) {

@@ -260,6 +260,9 @@ fn arrays() {
     let ints = ["photons", "bar.gdml", "--gensteps", "ints.npy"];
     bench.write("ints.npy", npy("<i4", "(1, 6, 4)", singles(&step)));
     assert!(bench.fails(3, &ints).contains("its numbers are <i4: they must be float32 or float64."));
+    bench.write("empty.npy", Vec::new());
+    let empty = bench.fails(3, &["photons", "bar.gdml", "--gensteps", "empty.npy"]);
+    assert!(empty.ends_with("empty.npy: the file is empty: an NPY header is required.\n"), "{empty}");
 }
 
 /// The native model of the guide has the hits of the GDML file.
