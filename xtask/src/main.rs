@@ -15,6 +15,7 @@ mod new_primitive;
 mod outcome;
 mod platforms;
 mod process;
+mod profile;
 mod publish;
 mod python;
 mod report;

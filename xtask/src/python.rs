@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::process;
+use crate::profile::Profile;
 use crate::repository::Repository;
 
 /// The folder of the bindings, relative to the root.
@@ -28,26 +29,29 @@ pub struct Python {
     target: PathBuf,
     /// The name of the folder of the environment.
     name: &'static str,
+    /// How the package is built.
+    profile: Profile,
     environment: Option<Result<PathBuf, String>>,
     package: Option<Result<(), String>>,
 }
 
 impl Python {
     /// Creates the handle; the environment is created at the first use.
-    pub fn new(repository: &Repository) -> Python {
+    pub fn new(repository: &Repository, profile: Profile) -> Python {
         Python {
             root: repository.root.clone(),
             target: repository.target(),
             name: "venv",
+            profile,
             environment: None,
             package: None,
         }
     }
 
-    /// The handle of an environment of another name, which the tests do not use. With `keep`, an existing environment stays,
+    /// The handle of an environment of another name, which the tests do not use, with a package built for release. With `keep`, an existing environment stays,
     /// with the package that is installed in it.
     pub fn named(repository: &Repository, name: &'static str, keep: bool) -> Python {
-        let mut python = Python { name, ..Python::new(repository) };
+        let mut python = Python { name, ..Python::new(repository, Profile::Release) };
         let folder = python.target.join(name);
         if keep && folder.is_dir() {
             python.environment = Some(Ok(folder));
@@ -116,7 +120,8 @@ impl Python {
         let interpreter = scripts(&self.environment()?).join("python");
         let mut maturin = self.program("maturin")?;
         maturin.current_dir(self.root.join(BINDING));
-        maturin.args(["build", "--release", "--interpreter"]).arg(interpreter).arg("--out").arg(folder);
+        maturin.args(["build", "--profile", self.profile.name(), "--interpreter"]).arg(interpreter);
+        maturin.arg("--out").arg(folder);
         process::run(configure(&mut maturin))?;
         the_wheel(folder)
     }

@@ -64,7 +64,7 @@ pub const STAGES: &[Stage] = &[
         long: true,
         run: |workshop, counts| mutants::run(workshop.repository, &[], counts),
     },
-    stage("command", "the release build of the command, on real models", command::run),
+    stage("command", "the command, on real models", command::run),
     stage(
         "python",
         "the Python package, built, installed in a fresh environment, tested and typed",

@@ -6,6 +6,7 @@ use std::time::Instant;
 use lexopt::prelude::*;
 
 use crate::outcome::usage;
+use crate::profile::Profile;
 use crate::python::Python;
 use crate::report::{self, Counts, Report};
 use crate::repository::Repository;
@@ -66,7 +67,9 @@ pub fn run(repository: &Repository, options: &Options) -> Result<ExitCode, Strin
         wanted.iter().for_each(|stage| println!("{:<10} {}", stage.name, stage.what));
         return Ok(ExitCode::SUCCESS);
     }
-    let mut workshop = Workshop { repository, python: Python::new(repository), slowest: Slowest::default() };
+    let profile = if options.long { Profile::Release } else { Profile::Dev };
+    let python = Python::new(repository, profile);
+    let mut workshop = Workshop { repository, profile, python, slowest: Slowest::default() };
     let reports = run_stages(&wanted, options.fail_fast, &mut workshop);
     if !workshop.slowest.is_empty() {
         println!("\n{}", workshop.slowest);
@@ -165,7 +168,8 @@ mod tests {
         let repository = Repository::find().unwrap();
         let mut workshop = Workshop {
             repository: &repository,
-            python: Python::new(&repository),
+            profile: Profile::Dev,
+            python: Python::new(&repository, Profile::Dev),
             slowest: Slowest::default(),
         };
         let bad = Stage { name: "bad", what: "", long: false, run: fails };

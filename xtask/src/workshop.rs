@@ -1,5 +1,6 @@
 //! Shared state of the stages of a run.
 
+use crate::profile::Profile;
 use crate::python::Python;
 use crate::repository::Repository;
 use crate::slowest::Slowest;
@@ -8,6 +9,8 @@ use crate::slowest::Slowest;
 pub struct Workshop<'a> {
     /// The checkout under test.
     pub repository: &'a Repository,
+    /// How the command is built.
+    pub profile: Profile,
     /// The Python of this run.
     pub python: Python,
     /// The slowest test programs so far.

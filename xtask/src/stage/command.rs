@@ -1,14 +1,16 @@
-//! The stage that builds the command line program for release and runs it like a user.
+//! The stage that runs the command line program like a user.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use super::cargo::cargo;
+use serde_json::Value;
+
+use super::cargo::{NOT_BY_CARGO, cargo};
 use crate::outcome::Outcome;
-use crate::process;
 use crate::report::Counts;
 use crate::workshop::Workshop;
+use crate::{layers, process};
 
 /// The first bytes of every PNG file (PNG specification, section 5.2).
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -17,14 +19,17 @@ const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 const PANICKED: i32 = 101;
 
 pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
-    // as in the README: cargo has to select the right program
-    process::run(cargo(workshop).args(["run", "--release", "--", "--version"]))?;
+    // the same packages as for the tests: others would unify the features of dependencies differently and build them again
+    let mut build = cargo(workshop);
+    build.args(["build", "--profile", workshop.profile.name(), "--bin", "rayweave"]).args(NOT_BY_CARGO);
+    process::run(&mut build)?;
+    is_default(&layers::metadata(workshop.repository)?)?;
     let scratch = workshop.repository.target().join("command");
     fs::create_dir_all(&scratch)
         .map_err(|error| format!("{}: cannot be made: {error}.", scratch.display()))?;
     let user = User {
         root: &workshop.repository.root,
-        program: workshop.repository.target().join("release/rayweave"),
+        program: workshop.repository.target().join(workshop.profile.folder()).join("rayweave"),
     };
     let models = models(workshop)?;
     let mut failures = Vec::new();
@@ -48,6 +53,23 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     match failures.first() {
         None => Ok(()),
         Some(first) => Err(format!("{} calls of the command failed, the first one: {first}", failures.len())),
+    }
+}
+
+/// Checks that `cargo run`, as in the README, selects the command: its package is the only default member.
+fn is_default(metadata: &Value) -> Outcome {
+    let members: Vec<&str> = metadata["workspace_default_members"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_str)
+        .collect();
+    match members[..] {
+        [member] if member.contains("/crates/cli#") => Ok(()),
+        _ => Err(format!(
+            "Cargo.toml: default-members selects {members:?}: `cargo run`, as in the README, must run the command. \
+             Set default-members = [\"crates/cli\"]."
+        )),
     }
 }
 
@@ -119,6 +141,19 @@ mod tests {
 
     fn shell() -> User<'static> {
         User { root: Path::new("."), program: PathBuf::from("sh") }
+    }
+
+    #[test]
+    fn the_command_is_the_only_default() {
+        let metadata = |members: &str| {
+            serde_json::from_str(&format!(r#"{{"workspace_default_members": [{members}]}}"#)).unwrap()
+        };
+        let cli = r#""path+file:///r/crates/cli#rayweave-cli@0.1.0""#;
+        let xtask = r#""path+file:///r/xtask#0.1.0""#;
+        assert_eq!(is_default(&metadata(cli)), Ok(()));
+        for wrong in [String::new(), xtask.to_owned(), format!("{cli}, {xtask}")] {
+            assert!(is_default(&metadata(&wrong)).unwrap_err().contains("default-members"));
+        }
     }
 
     #[test]
