@@ -148,6 +148,17 @@ impl<'c> Numbers<'c> {
     /// An integer within a range.
     pub fn whole(&mut self, element: &Element, name: &str, least: i64, most: i64) -> Result<i64, Failure> {
         let attribute = self.need(element, name)?;
+        self.whole_value(name, attribute, least, most)
+    }
+
+    /// The value of an attribute, which must be a whole number within a range.
+    pub fn whole_value(
+        &mut self,
+        name: &str,
+        attribute: &Attribute,
+        least: i64,
+        most: i64,
+    ) -> Result<i64, Failure> {
         let value = self.value(attribute)?;
         match value.fract() == 0.0 && (least as f64..=most as f64).contains(&value) {
             true => Ok(value as i64),

@@ -214,10 +214,7 @@ impl Library {
     fn scaled(&self, numbers: &mut Numbers, element: &Element) -> Made {
         let solid = self.operand(numbers, element, "solidref", "ref");
         let scale = numbers.child_vector(element, "scale", Role::Scale)?.unwrap_or(Vec3::ONE);
-        match scale.to_array().contains(&0.0) {
-            true => refused("a scale factor is 0"),
-            false => Ok(solid?.scale(scale)),
-        }
+        scaled(&solid?, scale)
     }
 
     /// `<reflectedSolid>` of older files: a solid scaled by `sx sy sz`, rotated by `rx ry rz` and translated by `dx dy dz`.
@@ -232,7 +229,15 @@ impl Library {
         }
         let angles = Vec3::from_array(numbers.angles(element, ["rx", "ry", "rz"])?);
         let position = Vec3::from_array(numbers.lengths_or_zero(element, ["dx", "dy", "dz"])?);
-        Ok(placed(&shape.solid.scale(scale), rotation(angles), position))
+        Ok(placed(&scaled(&shape.solid, scale)?, rotation(angles), position))
+    }
+}
+
+/// The solid scaled along the axes; a factor of 0 is refused, since the result would be flat.
+fn scaled(solid: &Solid, scale: Vec3) -> Made {
+    match scale.to_array().contains(&0.0) {
+        true => refused("a scale factor is 0"),
+        false => Ok(solid.scale(scale)),
     }
 }
 

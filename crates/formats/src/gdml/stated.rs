@@ -59,7 +59,9 @@ fn volume(
     let placed = |row: &&Table| {
         let maps = list(row, "maps").iter().map(|map| affine(&map.value)).collect::<Option<Vec<Affine>>>()?;
         let (name, volume) = (text(row, "name").to_owned(), *numbers.get(text(row, "volume"))?);
-        Some(Placed { name, volume, copy: number(row, "copy").map(|copy| copy as i64), maps })
+        let copy = number(row, "copy");
+        let is_whole = copy.is_none_or(|copy| f64::from(copy as i32) == copy);
+        is_whole.then(|| Placed { name, volume, copy: copy.map(|copy| copy as i64), maps })
     };
     Some(VolumeRecord {
         name: text(row, "name").to_owned(),

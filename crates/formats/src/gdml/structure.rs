@@ -320,14 +320,13 @@ impl Builder<'_, '_> {
     fn placement(&mut self, mother: usize, element: &Element) -> Result<(), Failure> {
         let map = self.map(element)?;
         let name = element.attribute("name").map_or(Ok(String::new()), |_| self.numbers.name(element))?;
-        let copy = element.attribute("copynumber").map(|copy| self.numbers.value(copy)).transpose()?;
-        let daughter = Daughter {
-            name,
-            volume: mother,
-            maps: vec![map],
-            copy: copy.map(|copy| copy as i64),
-            place: element.place,
-        };
+        // Geant4 evaluates it as a C++ `int`, and refuses fractions
+        let copy = element.attribute("copynumber");
+        let copy = copy.map(|copy| {
+            self.numbers.whole_value("copynumber", copy, i64::from(i32::MIN), i64::from(i32::MAX))
+        });
+        let copy = copy.transpose()?;
+        let daughter = Daughter { name, volume: mother, maps: vec![map], copy, place: element.place };
         if let Some(file) = element.child("file") {
             let Some(volume) = self.included(file)? else {
                 return Ok(());
@@ -394,9 +393,16 @@ impl Builder<'_, '_> {
             return Ok(*known);
         }
         let context = &mut *self.numbers.context;
-        if context.open.contains(&path) || context.open.len() > DEEPEST_FILE {
-            let message =
-                format!("the file {} includes itself: through {} files.", path.display(), context.open.len());
+        let depth = context.open.len();
+        let refusal = match (context.open.contains(&path), depth > DEEPEST_FILE) {
+            (true, _) => Some(format!("the file {} includes itself: through {depth} files.", path.display())),
+            (false, true) => Some(format!(
+                "the file {} is included too deeply: at most {DEEPEST_FILE} files may include each other in a row.",
+                path.display()
+            )),
+            (false, false) => None,
+        };
+        if let Some(message) = refusal {
             return Err(self.numbers.tell(Trouble::new(message, attribute.place)));
         }
         let source = super::source::included(&context.files.allowed, &path);

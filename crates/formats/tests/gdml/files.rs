@@ -96,6 +96,23 @@ fn files_include_files_and_themselves_are_refused() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
+/// A chain of different files is not a file that includes itself.
+#[test]
+fn files_may_be_included_only_so_deep() {
+    let names: Vec<String> = (0..25).map(|k| format!("f{k}.gdml")).collect();
+    let texts: Vec<String> =
+        (1..=25).map(|k| outer(&format!("<physvol><file name=\"f{k}.gdml\"/></physvol>"))).collect();
+    let mut files: Vec<(&str, &str)> =
+        names.iter().map(String::as_str).zip(texts.iter().map(String::as_str)).collect();
+    files[24].1 = PART;
+    let folder = scratch("deep", &files);
+    assert_eq!(read(&folder.join("f10.gdml")).scene.regions.len(), 16);
+    let problems = load(folder.join("f0.gdml"), None, &[], &Options::default()).unwrap_err();
+    let message = problems.iter().next().unwrap().message();
+    assert!(message.contains("is included too deeply: at most 20 files"), "{problems}");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
 #[test]
 fn entities_may_be_files() {
     let text = "<!DOCTYPE gdml [\n<!ENTITY solids SYSTEM \"solids.xml\">\n<!ENTITY size \"20\">\n]>\n"

@@ -64,6 +64,22 @@ fn an_invalid_definition_is_reported_once() {
     );
 }
 
+/// Geant4 refuses copy numbers with a fraction, and holds them as a C++ `int`.
+#[test]
+fn copy_numbers_are_whole() {
+    let inner = "<volume name=\"In\"><solidref ref=\"b\"/></volume>";
+    for copy in ["1.5", "1e30", "2^31"] {
+        let physvol = format!("<physvol copynumber=\"{copy}\"><volumeref ref=\"In\"/></physvol>");
+        let world = WORLD.replace("</volume>", &format!("{physvol}</volume>"));
+        let found = problems(&model("", BOX, &(inner.to_owned() + &world)));
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(
+            found[0].2.starts_with("`copynumber` is ") && found[0].2.contains("must be a whole number"),
+            "{found:?}"
+        );
+    }
+}
+
 /// Every proper prefix of a file is an error (the end tag is missing), in limited time and without a panic.
 #[test]
 fn truncated_files_are_errors() {

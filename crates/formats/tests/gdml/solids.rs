@@ -93,6 +93,14 @@ fn impossible_solids_are_refused_with_the_reason() {
         ("<polycone name=\"s\"><zplane z=\"0\" rmax=\"1\"/></polycone>", "no interior"),
         ("<sphere name=\"s\" rmin=\"2\" rmax=\"2\" deltaphi=\"6.3\"/>", "not less"),
         ("<xtru name=\"s\"><section zPosition=\"0\"/><section zPosition=\"1\"/></xtru>", "no area"),
+        (
+            "<box name=\"b\" x=\"1\" y=\"1\" z=\"1\"/><scaledSolid name=\"s\"><solidref ref=\"b\"/><scale x=\"1\" y=\"0\"/></scaledSolid>",
+            "a scale factor is 0",
+        ),
+        (
+            "<box name=\"b\" x=\"1\" y=\"1\" z=\"1\"/><reflectedSolid name=\"s\" solid=\"b\" sx=\"1\" sy=\"0\" sz=\"-1\"/>",
+            "a scale factor is 0",
+        ),
     ];
     for (solid, reason) in table {
         let imported = one(solid);
