@@ -24,7 +24,7 @@ def test_technical_drawings():
     plate = rw.box([60, 40, 8]) - rw.cylinder(3)
     drawing = rw.sheet(plate, dimensions=True, projection="first")
     assert ">\u23006 through</text>" in drawing.svg and "first-angle projection" in drawing.svg
-    with pytest.raises(TypeError, match="cut is given with dimensions"):
+    with pytest.raises(TypeError, match=r"cut is given with dimensions: .* Use section\(subject, "):
         rw.sheet(plate, dimensions=True, cut="x>0")
     with pytest.raises(rw.RayweaveError, match="third or first"):
         rw.sheet(plate, dimensions=True, projection="second")

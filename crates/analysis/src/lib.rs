@@ -6,7 +6,7 @@
 //! - [`diff`](mod@diff): comparison of two models;
 //! - [`distance`](mod@distance): signed distances and nearest boundary points, with bounds;
 //! - [`check`](mod@check): detection of modelling errors;
-//! - [`features`]: the extent of a model, and the diameters and depths of its cylindrical faces;
+//! - [`features`]: the extent of a model, the diameters and depths of its cylindrical faces, polygonal holes and steps along the axes;
 //! - [`infill`](mod@infill): parallel traces of a tool over a region of the plane, or the layers of a solid;
 //! - [`hits`]: streaming of ray files into tables of hits;
 //! - [`survey`](mod@survey): chords of random rays in regions, and the thickness of regions; the basis of other

@@ -12,9 +12,14 @@ const BEYOND: f64 = 6.0;
 const ARROW: [f64; 2] = [9.0, 2.6];
 /// The distance of the value from its line.
 const ABOVE: f64 = 5.0;
+/// The approximate width of a character.
+const LETTER: f64 = 7.2;
 
 /// The space that the dimensions need below the drawing and to the left of it.
 pub const SPACE: f64 = DISTANCE + BEYOND + 14.0;
+
+/// The distance of parallel dimension lines.
+pub const ROW: f64 = 24.0;
 
 /// The style of the lines.
 pub const STYLE: &str = "\
@@ -41,18 +46,17 @@ pub fn value(length: f64, error: f64) -> String {
 
 /// Draws the width below a box and the height to its left. The box is given by its left, top, right and bottom in pixels.
 pub fn draw(svg: &mut Svg, sides: [f64; 4], width: &str, height: &str) {
-    draw_sides(svg, sides, Some(width), Some(height));
+    draw_sides(svg, sides, (Some(width), Some(height)), [0.0; 2]);
 }
 
-/// Like [`draw`], with one of the sizes or none.
+/// Like [`draw`], with one of the sizes or none, farther from the box by these distances to the left and below.
 pub fn draw_sides(
     svg: &mut Svg,
     [left, top, right, bottom]: [f64; 4],
-    width: Option<&str>,
-    height: Option<&str>,
+    (width, height): (Option<&str>, Option<&str>),
+    farther: [f64; 2],
 ) {
-    let line = |a: [f64; 2], b: [f64; 2]| format!("M{:.2} {:.2}L{:.2} {:.2}", a[0], a[1], b[0], b[1]);
-    let (y, x) = (bottom + DISTANCE, left - DISTANCE);
+    let (y, x) = (bottom + DISTANCE + farther[1], left - DISTANCE - farther[0]);
     let (mut lines, mut arrows) = (String::new(), String::new());
     if width.is_some() {
         for at in [left, right] {
@@ -83,6 +87,60 @@ pub fn draw_sides(
     }
 }
 
+/// Draws a chain of dimensions below a box, or to its left: the distances between positions in ascending order, as texts. The first
+/// and the last text stand beside the chain if there is no room for them.
+pub fn chain(
+    svg: &mut Svg,
+    [left, _, _, bottom]: [f64; 4],
+    is_vertical: bool,
+    positions: &[f64],
+    texts: &[String],
+) {
+    let (y, x) = (bottom + DISTANCE, left - DISTANCE);
+    let at = |along: f64, beside: f64| if is_vertical { [x - beside, along] } else { [along, y + beside] };
+    let (mut lines, mut arrows) = (String::new(), String::new());
+    for &position in positions {
+        lines += &line(at(position, GAP - DISTANCE), at(position, BEYOND));
+    }
+    let count = texts.len();
+    for (k, (pair, text)) in positions.windows(2).zip(texts).enumerate() {
+        let (room, width) = (pair[1] - pair[0], LETTER * text.chars().count() as f64);
+        let forward = if is_vertical { [0.0, 1.0] } else { [1.0, 0.0] };
+        let back = forward.map(|part| -part);
+        let (mut from, mut to) = (pair[0], pair[1]);
+        let is_narrow = room < 2.0 * ARROW[0] + 2.0;
+        if is_narrow {
+            // arrows from outside
+            arrows += &(arrow(at(pair[0], 0.0), forward) + &arrow(at(pair[1], 0.0), back));
+            (from, to) = (from - 1.5 * ARROW[0], to + 1.5 * ARROW[0]);
+        } else {
+            arrows += &(arrow(at(pair[0], 0.0), back) + &arrow(at(pair[1], 0.0), forward));
+        }
+        let middle = match () {
+            () if width <= room => 0.5 * (pair[0] + pair[1]),
+            () if k == 0 => {
+                from = pair[0] - width - 2.0 * ARROW[0];
+                pair[0] - 0.5 * width - 1.5 * ARROW[0]
+            }
+            () if k + 1 == count => {
+                to = pair[1] + width + 2.0 * ARROW[0];
+                pair[1] + 0.5 * width + 1.5 * ARROW[0]
+            }
+            () => 0.5 * (pair[0] + pair[1]),
+        };
+        lines += &line(at(from, 0.0), at(to, 0.0));
+        let (place, turn) =
+            if is_vertical { ([x - ABOVE, middle], -90.0) } else { ([middle, y - ABOVE], 0.0) };
+        svg.middle_text("value", place, turn, text);
+    }
+    svg.path("dimension", lines, "");
+    svg.path("arrow", arrows, "");
+}
+
+fn line(a: [f64; 2], b: [f64; 2]) -> String {
+    format!("M{:.2} {:.2}L{:.2} {:.2}", a[0], a[1], b[0], b[1])
+}
+
 /// Draws the thickness between two points in pixels: lines along it with arrows from outside, since walls are thin, short bars at
 /// the ends, and the value beside the upper or right end.
 pub fn between(svg: &mut Svg, [a, b]: [[f64; 2]; 2], value: &str) {
@@ -95,7 +153,6 @@ pub fn between(svg: &mut Svg, [a, b]: [[f64; 2]; 2], value: &str) {
     let beside = |p: [f64; 2], by: f64, across: f64| {
         [p[0] + by * d[0] - across * d[1], p[1] + by * d[1] + across * d[0]]
     };
-    let line = |a: [f64; 2], b: [f64; 2]| format!("M{:.2} {:.2}L{:.2} {:.2}", a[0], a[1], b[0], b[1]);
     let tail = 3.0 * ARROW[0];
     let bars = [from, to].map(|end| line(beside(end, 0.0, -BEYOND), beside(end, 0.0, BEYOND)));
     let lines = line(beside(from, -tail, 0.0), beside(to, tail, 0.0)) + &bars.concat();

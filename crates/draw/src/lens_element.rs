@@ -138,7 +138,7 @@ fn section(svg: &mut Svg, element: &LensElement, sides: &[Vec<[f64; 2]>; 2], sca
     svg.path("centre", format!("M{:.2} {y0:.2}H{:.2}", z0 - 24.0, z1 + 24.0), "");
     let reach = scale.pixels * element.semi_diameter;
     let diameter = format!("\u{2300}{}", length(element, 2.0 * element.semi_diameter));
-    draw_sides(svg, [z0, y0 - reach, z1, y0 + reach], None, Some(&diameter));
+    draw_sides(svg, [z0, y0 - reach, z1, y0 + reach], (None, Some(&diameter)), [0.0; 2]);
     centre_thickness(svg, element, [at([0.0, 0.0])[0], at([element.thickness, 0.0])[0]], [y0, y0 + reach]);
     for (k, text) in ["R1", "R2"].into_iter().enumerate() {
         let [x, y] = at(sides[k][sides[k].len() * 3 / 4]);

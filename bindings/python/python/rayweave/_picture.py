@@ -277,8 +277,8 @@ def sheet(
     size
         Width and height of the sheet in pixels; 1280 x 960, 1280 x 720 of one view, or A4 with dimensions.
     dimensions
-        A technical drawing to a standard scale: visible edges, centre lines, overall sizes, diameters and depths of holes, circles
-        of holes. It takes `title`, `size`, `projection`, `evaluator` and `threads`.
+        A technical drawing to a standard scale: visible edges, centre lines, overall sizes, distances of steps, diameters and depths
+        of round holes, sizes of polygonal ones along the axes, circles of holes. It takes `title`, `size`, `projection`, `evaluator` and `threads`.
     projection
         The method of projection of a drawing with dimensions: "third" or "first" angle.
     shading, edges, shadows, samples, cut, explode, opacity, evaluator, threads, device
@@ -299,7 +299,8 @@ def sheet(
         )
         given = [name for name, value in others.items() if value is not None]
         if given:
-            raise TypeError(f"{given[0]} is given with dimensions: a technical drawing shows the edges of the whole model.")
+            hint = ' Use section(subject, "x=0") for a section, or leave out dimensions for views that are cut.' if "cut" in given else ""
+            raise TypeError(f"{given[0]} is given with dimensions: a technical drawing shows the edges of the whole model.{hint}")
         pixels = None if size is None else (whole(size[0], "the width", bits=32), whole(size[1], "the height", bits=32))
         svg, notes = _core.technical_svg(subject, title, pixels, projection, evaluator, threads)
         for note in notes:

@@ -1,8 +1,9 @@
 //! Cylindrical faces: holes, shafts, and rounded edges.
 
+use super::spans::{Spans, spans_along};
 use crate::distance::world_surfaces;
 use rayweave_math::{Bounds, Vec3};
-use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId};
+use rayweave_model::{Evaluator, RayBatch};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{Cylinder, Surface};
 use std::f64::consts::TAU;
@@ -126,52 +127,6 @@ pub fn cylindrical_faces<E: Evaluator>(evaluator: &E) -> CylindricalFaces {
     CylindricalFaces { faces, left_out }
 }
 
-/// The regions along a line.
-#[derive(Clone, Debug, Default)]
-struct Spans {
-    /// The region at the beginning; 0 stands for every region without a medium.
-    start: usize,
-    /// The places where the region changes, with the next one.
-    changes: Vec<(f64, usize)>,
-}
-
-impl Spans {
-    fn count_until(&self, t: f64) -> usize {
-        self.changes.partition_point(|&(change, _)| change <= t)
-    }
-
-    fn region(&self, t: f64) -> usize {
-        self.count_until(t).checked_sub(1).map_or(self.start, |k| self.changes[k].1)
-    }
-
-    fn is_in(&self, t: f64) -> bool {
-        self.region(t) != 0
-    }
-
-    /// The first change after t.
-    fn next(&self, t: f64) -> Option<f64> {
-        self.changes.get(self.count_until(t)).map(|&(change, _)| change)
-    }
-
-    /// The last change before t.
-    fn before(&self, t: f64) -> Option<f64> {
-        let count = self.changes.partition_point(|&(change, _)| change < t);
-        count.checked_sub(1).map(|k| self.changes[k].0)
-    }
-
-    /// The first change from t on in a direction.
-    fn onward(&self, t: f64, sign: f64) -> Option<f64> {
-        if sign > 0.0 { self.next(t) } else { self.before(t) }
-    }
-
-    /// The places where material begins or ends.
-    fn ends(&self) -> impl Iterator<Item = f64> {
-        let before = std::iter::once(self.start).chain(self.changes.iter().map(|&(_, region)| region));
-        let is_end = |&(&(_, after), before): &(&(f64, usize), usize)| (after == 0) != (before == 0);
-        self.changes.iter().zip(before).filter(is_end).map(|(&(t, _), _)| t)
-    }
-}
-
 /// Pairs of lines along a cylinder.
 struct Lines<'a> {
     cylinder: &'a Cylinder,
@@ -224,8 +179,6 @@ impl<'a> Lines<'a> {
         places: &[(usize, f64)],
         scratch: &mut E::Scratch,
     ) -> Vec<Spans> {
-        let program = evaluator.program();
-        let number = |region: RegionId| if program.medium_of(region) == 0 { 0 } else { region.index() };
         let mut batch = RayBatch::default();
         for &(line, radius) in places {
             // beside the axes of the model, where seams and corners are likely
@@ -233,14 +186,7 @@ impl<'a> Lines<'a> {
             let out = libm::cos(angle) * self.across[0] + libm::sin(angle) * self.across[1];
             batch.push(Ray::new(self.base + radius * out, self.cylinder.axis));
         }
-        let mut found = vec![Spans::default(); places.len()];
-        let mut sink = |answer: RayAnswer<'_>| {
-            let changes = answer.crossings.iter().filter(|c| number(c.before) != number(c.after));
-            let changes = changes.map(|crossing| (crossing.t, number(crossing.after))).collect();
-            found[answer.ray] = Spans { start: number(answer.start), changes };
-        };
-        evaluator.crossings(batch.rays(), &Query::default(), scratch, &mut sink);
-        found
+        spans_along(evaluator, &batch, scratch)
     }
 
     fn faces<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Vec<CylindricalFace> {

@@ -1,13 +1,17 @@
-//! Sizes for drawings: the extent of a model, and its cylindrical faces (holes, shafts, fillets) with their diameters and depths.
+//! Sizes for drawings: the extent of a model, its cylindrical faces (holes, shafts, fillets) with their diameters and depths, and its
+//! polygonal holes and steps along the axes.
 //!
-//! Both are found by rays, with exact crossings: coordinates and radii have no error but rounding. [`Extent::is_exact`] states whether
+//! All are found by rays, with exact crossings: coordinates and radii have no error but rounding. [`Extent::is_exact`] states whether
 //! the bounding box confirms an extent; a cylinder is a face only where rays inside and outside of it differ.
 
 mod cylinders;
 mod extent;
+mod polygons;
+mod spans;
 #[cfg(test)]
 mod tests;
 
 pub use cylinders::{CylindricalFace, CylindricalFaces, cylindrical_faces};
 pub(crate) use extent::extent_of;
 pub use extent::{Extent, extent};
+pub use polygons::{AxialFeatures, PolygonalFace, axial_features, sides_of_rectangle};

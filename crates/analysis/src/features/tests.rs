@@ -1,6 +1,7 @@
 //! Extents and cylinders by closed forms.
 
 use super::*;
+use crate::section::SectionRun;
 use rayweave_math::Vec3;
 use rayweave_scene::Compiled;
 use rayweave_trace::AnyEvaluator;
@@ -166,4 +167,44 @@ fn extents_are_those_of_the_model_not_of_its_box() {
     let turned = "[solid.a]\nbox = { size = 2 }\ntransform = [{ rotate_z = 45 }]";
     assert!((extent(&evaluator(turned)).unwrap().bounds.hi.x - 2f64.sqrt()).abs() < 1e-9);
     assert_eq!(extent(&evaluator("[solid.rod]\ncylinder = { radius = 3 }")), None);
+}
+
+/// A pocket with six sides around a hole, a rectangular hole at an angle, a hole with 30 sides, a boss with five sides, and a step.
+#[test]
+fn polygonal_holes_have_exact_corners() {
+    let text = "[solid.plate]\nbox_from_corners = { lo = [0, 0, 0], hi = [60, 40, 10] }\n\
+        [solid.nut]\nprism = { sides = 6, radius = 4, height = 8 }\ntransform = [{ rotate_z = 11 }, { translate = [10, 12, 0] }]\n\
+        [solid.bolt]\ncylinder = { radius = 2 }\ntransform = { translate = [10, 12, 0] }\n\
+        [solid.slot]\nbox = { size = [8, 3, 40] }\ntransform = [{ rotate_z = 30 }, { translate = [25, 30, 0] }]\n\
+        [solid.drill]\nprism = { sides = 30, radius = 5, height = 40 }\ntransform = { translate = [40, 12, 0] }\n\
+        [solid.boss]\nprism = { sides = 5, radius = 3, height = 30 }\ntransform = { translate = [50, 30, 0] }\n\
+        [solid.part]\nexpr = \"(plate | boss) - nut - bolt - slot - drill\"\n[[region]]\nsolid = \"part\"";
+    let evaluator = evaluator(text);
+    let round = cylindrical_faces(&evaluator).faces;
+    let found = axial_features(&evaluator, &round, &SectionRun::default()).unwrap();
+    let of = |sides: usize, is_hole: bool| {
+        let own = found.polygons.iter().filter(|face| face.corners.len() == sides && face.is_hole == is_hole);
+        let own: Vec<&PolygonalFace> = own.collect();
+        assert!(!own.is_empty(), "{sides} {found:?}");
+        own
+    };
+    for (sides, is_hole, centre, radius, depth) in [
+        (6, true, [10.0, 12.0], 4.0, Some(4.0)),
+        (4, true, [25.0, 30.0], 0.5 * 73f64.sqrt(), None),
+        (30, true, [40.0, 12.0], 5.0, None),
+        (5, false, [50.0, 30.0], 3.0, None),
+    ] {
+        for face in of(sides, is_hole) {
+            assert_eq!(face.depth.map(|depth| (depth * 1e9).round() / 1e9), depth, "{face:?}");
+            for corner in &face.corners {
+                let from = libm::hypot(corner.x - centre[0], corner.y - centre[1]);
+                assert!((from - radius).abs() < 1e-9, "{sides}: {from} {radius}");
+            }
+        }
+    }
+    assert_eq!((of(6, true).len(), of(4, true).len(), of(30, true).len()), (1, 1, 1));
+    // the boss ends below and above the plate; the floor of the pocket and the sides of holes are no steps
+    let [x, y, z] = &found.steps;
+    assert!(x.is_empty() && y.is_empty() && found.left_out.is_empty(), "{found:?}");
+    assert!(z.len() == 2 && z[0].abs() < 1e-9 && (z[1] - 10.0).abs() < 1e-9, "{z:?}");
 }

@@ -43,7 +43,7 @@ pub struct Render {
     #[arg(long, value_parser = PossibleValuesParser::new(View::ALL.map(View::name).into_iter().chain([SHEET])))]
     view: Option<String>,
 
-    /// Make --view sheet a technical drawing to a standard scale: visible edges, centre lines, overall sizes, diameters of holes and shafts, depths, circles of holes. The size is in units of 1/96 inch [default: A4, 1123x794]
+    /// Make --view sheet a technical drawing to a standard scale: visible edges, centre lines, overall sizes, distances of steps, diameters of holes and shafts, sizes of polygonal holes, depths, circles of holes. The size is in units of 1/96 inch [default: A4, 1123x794]
     #[arg(long, requires = "view", conflicts_with_all = ["legend", "explode", "kind", "range"])]
     dimensions: bool,
 
@@ -122,10 +122,7 @@ impl Render {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let out = self.out()?;
         if self.dimensions && self.cut.is_some() {
-            let problem = "--dimensions: a technical drawing shows the whole model, without --cut.";
-            let advice = "`rayweave section MODEL --plane x=0 --hatch --dimensions -o section.svg` draws a section with dimensions; \
-                          --view sheet with --cut, without --dimensions, draws views that are cut.";
-            return Err(Failure::Usage(format!("{problem} {advice}")));
+            return Err(Failure::Usage(self.advice_for_cut_drawings()));
         }
         let scene = self.scene(true)?;
         let compiled = Compiled::new(&scene)?;
@@ -172,6 +169,21 @@ impl Render {
         }
         let (width, height) = (size.width(), size.height());
         terminal::print(&format!("{}: {width} x {height} pixels\n{}", out.display(), chosen.summary()))
+    }
+
+    /// The error for a technical drawing of a part, with the command that draws it, for a cut such as `x>0` as a section at `x=0`.
+    fn advice_for_cut_drawings(&self) -> String {
+        let cut = self.cut.as_deref().unwrap_or_default();
+        let is_side = |text: &str| text.chars().filter(|c| matches!(c, '<' | '>')).count() == 1;
+        let plane = match cut.replace(' ', "") {
+            plane if is_side(&plane) => plane.replace(['<', '>'], "="),
+            _ => "x=0".to_owned(),
+        };
+        format!(
+            "--cut and --dimensions are given: a technical drawing shows the whole model. For a section with dimensions, use \
+             `rayweave section {} --plane {plane} --hatch --dimensions -o section.svg`. For views that are cut, leave out --dimensions.",
+            self.model.name()
+        )
     }
 
     /// Writes a technical drawing.

@@ -1,15 +1,33 @@
-//! Circles of a view with their diameters.
+//! Circles and polygons of a view with their sizes.
 
 use crate::axis::format_number;
-use rayweave_analysis::features::CylindricalFace;
+use rayweave_analysis::features::{CylindricalFace, PolygonalFace, sides_of_rectangle};
 use rayweave_analysis::section::Cut;
 
 type Point = [f64; 2];
 
-/// A cylindrical face, seen along its axis.
+/// The outline of a face, seen along its axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    Round,
+    /// A regular polygon; one corner lies at this angle.
+    Regular {
+        sides: usize,
+        angle: f64,
+    },
+    /// The longer and the shorter side, and the angle of the longer one.
+    Rectangle {
+        size: [f64; 2],
+        angle: f64,
+    },
+}
+
+/// A cylindrical or polygonal face, seen along its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
+    pub shape: Shape,
     pub centre: Point,
+    /// The radius, that of the circumscribed circle for polygons.
     pub radius: f64,
     pub is_hole: bool,
     /// True if more than half of the circle is there; it has a diameter, and others have a radius.
@@ -31,6 +49,7 @@ pub struct Group {
 impl Circle {
     pub fn new(face: &CylindricalFace, plane: &Cut) -> Circle {
         Circle {
+            shape: Shape::Round,
             centre: plane.place(0.5 * (face.ends[0] + face.ends[1])),
             radius: face.radius,
             is_hole: face.is_hole,
@@ -40,13 +59,105 @@ impl Circle {
         }
     }
 
+    /// The outline of a polygonal face; `tolerance` is the error of equal lengths.
+    pub fn of_polygon(face: &PolygonalFace, plane: &Cut, tolerance: f64) -> Circle {
+        let corners: Vec<Point> = face.corners.iter().map(|&corner| plane.place(corner)).collect();
+        let mean = |k: usize| corners.iter().map(|p| p[k]).sum::<f64>() / corners.len() as f64;
+        let centre = [mean(0), mean(1)];
+        let angle = |a: Point, b: Point| libm::atan2(b[1] - a[1], b[0] - a[0]);
+        let shape = match sides_of_rectangle(&corners, tolerance) {
+            Some(size) => {
+                let length = libm::hypot(corners[1][0] - corners[0][0], corners[1][1] - corners[0][1]);
+                let first = usize::from((length - size[0]).abs() > (length - size[1]).abs());
+                Shape::Rectangle { size, angle: angle(corners[first], corners[first + 1]) }
+            }
+            None => Shape::Regular { sides: corners.len(), angle: angle(centre, corners[0]) },
+        };
+        Circle {
+            shape,
+            centre,
+            radius: libm::hypot(corners[0][0] - centre[0], corners[0][1] - centre[1]),
+            is_hole: face.is_hole,
+            is_full: true,
+            depth: face.depth,
+            width: None,
+        }
+    }
+
+    /// The corners of a polygon, in order; none of a circle.
+    pub fn corners(&self) -> Vec<Point> {
+        let at = |angle: f64, [x, y]: Point| {
+            let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+            [self.centre[0] + cos * x - sin * y, self.centre[1] + sin * x + cos * y]
+        };
+        match self.shape {
+            Shape::Round => Vec::new(),
+            Shape::Regular { sides, angle } => {
+                let of =
+                    |k| at(angle + std::f64::consts::TAU * f64::from(k) / sides as f64, [self.radius, 0.0]);
+                (0..sides as u32).map(of).collect()
+            }
+            Shape::Rectangle { size: [long, short], angle } => {
+                [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]]
+                    .map(|[x, y]| at(angle, [0.5 * x * long, 0.5 * y * short]))
+                    .into()
+            }
+        }
+    }
+
+    /// The distance of the outline from the centre in a direction.
+    pub fn reach(&self, towards: Point) -> f64 {
+        let corners = self.corners();
+        let of = |k: usize| {
+            let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
+            let across = [b[1] - a[1], a[0] - b[0]];
+            let slope = across[0] * towards[0] + across[1] * towards[1];
+            let away = across[0] * (a[0] - self.centre[0]) + across[1] * (a[1] - self.centre[1]);
+            if slope * away > 0.0 { away / slope } else { f64::INFINITY }
+        };
+        (0..corners.len()).map(of).fold(self.radius, f64::min)
+    }
+
+    /// Pairs of points on both sides of the outline.
+    pub fn beside(&self, apart: f64) -> Vec<[Point; 2]> {
+        let angles = match self.shape {
+            Shape::Round => (0..8).map(|k| std::f64::consts::TAU * (f64::from(k) + 0.41) / 8.0).collect(),
+            _ => {
+                let corners = self.corners();
+                let middle = |k: usize| {
+                    let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
+                    // off the middle, where another edge is likely
+                    let at = [0, 1].map(|i| 0.53 * a[i] + 0.47 * b[i] - self.centre[i]);
+                    libm::atan2(at[1], at[0])
+                };
+                (0..corners.len()).map(middle).collect::<Vec<f64>>()
+            }
+        };
+        let pair = |angle: f64| {
+            let towards = [libm::cos(angle), libm::sin(angle)];
+            let reach = self.reach(towards);
+            [1.0 - apart, 1.0 + apart].map(|part| [0, 1].map(|i| self.centre[i] + part * reach * towards[i]))
+        };
+        angles.into_iter().map(pair).collect()
+    }
+
     fn is_like(&self, other: &Circle, tolerance: f64) -> bool {
+        let is_alike = match (self.shape, other.shape) {
+            (Shape::Round, Shape::Round) => true,
+            (Shape::Regular { sides: a, .. }, Shape::Regular { sides: b, .. }) => a == b,
+            (Shape::Rectangle { size: a, .. }, Shape::Rectangle { size: b, .. }) => {
+                (a[0] - b[0]).abs() < tolerance && (a[1] - b[1]).abs() < tolerance
+            }
+            _ => false,
+        };
         let is_near = |a: Option<f64>, b: Option<f64>| match (a, b) {
             (Some(a), Some(b)) => (a - b).abs() < tolerance,
             (None, None) => true,
             _ => false,
         };
-        (self.is_hole || !self.is_full, self.is_full) == (other.is_hole || !other.is_full, other.is_full)
+        is_alike
+            && (self.is_hole || !self.is_full, self.is_full)
+                == (other.is_hole || !other.is_full, other.is_full)
             && (self.radius - other.radius).abs() < tolerance
             && is_near(self.depth, other.depth)
             && is_near(self.width, other.width)
@@ -102,9 +213,24 @@ fn text(circles: &[Circle], ring: Option<(Point, f64)>, resolution: f64) -> Stri
     let number = |value: f64| format_number(value, resolution);
     let first = &circles[0];
     let mut text = if circles.len() > 1 { format!("{}\u{d7} ", circles.len()) } else { String::new() };
-    text += &match first.is_full {
-        true => format!("\u{2300}{}", number(2.0 * first.radius)),
-        false => format!("R{}", number(first.radius)),
+    let (diameter, square) = (format!("\u{2300}{}", number(2.0 * first.radius)), "\u{25a1}");
+    text += &match first.shape {
+        Shape::Round if !first.is_full => format!("R{}", number(first.radius)),
+        Shape::Round => diameter,
+        Shape::Rectangle { size: [a, b], .. } if number(a) == number(b) => format!("{square}{}", number(a)),
+        Shape::Rectangle { size: [a, b], .. } => format!("{} \u{d7} {}", number(a), number(b)),
+        Shape::Regular { sides, .. } => {
+            let flats = number(2.0 * first.radius * libm::cos(std::f64::consts::PI / sides as f64));
+            match sides {
+                3 => format!("triangle in {diameter}"),
+                4 => format!("{square}{}", number(first.radius * 2f64.sqrt())),
+                5 => format!("pentagon in {diameter}"),
+                6 => format!("hexagon {flats} across flats"),
+                8 => format!("octagon {flats} across flats"),
+                // round, as triangles
+                _ => diameter,
+            }
+        }
     };
     if first.is_full && first.is_hole {
         text += &match (first.depth, first.width) {
@@ -124,7 +250,7 @@ mod tests {
     use super::*;
 
     fn circle(centre: Point, radius: f64, depth: Option<f64>) -> Circle {
-        Circle { centre, radius, is_hole: true, is_full: true, depth, width: None }
+        Circle { shape: Shape::Round, centre, radius, is_hole: true, is_full: true, depth, width: None }
     }
 
     fn texts(circles: &[Circle]) -> Vec<String> {
@@ -150,6 +276,26 @@ mod tests {
         let round = Circle { is_hole: false, is_full: false, ..circle([0.0; 2], 5.0, None) };
         assert_eq!(texts(&[round, Circle { centre: [9.0, 0.0], is_hole: true, ..round }]), ["2\u{d7} R5"]);
         assert_eq!(texts(&[Circle { is_full: true, ..round }]), ["\u{2300}10"]);
+    }
+
+    /// The outline of a polygon is nearest to the centre at the middle of an edge, and farthest at a corner.
+    #[test]
+    fn polygons_have_their_sizes() {
+        let hexagon =
+            Circle { shape: Shape::Regular { sides: 6, angle: 0.0 }, ..circle([1.0, 2.0], 10.0, Some(5.0)) };
+        let flats = format_number(10.0 * 3f64.sqrt(), 1e-3);
+        assert_eq!(texts(&[hexagon]), [format!("hexagon {flats} across flats \u{d7} 5 deep")]);
+        assert!((hexagon.reach([1.0, 0.0]) - 10.0).abs() < 1e-12);
+        assert!((hexagon.reach([0.0, 1.0]) - 75f64.sqrt()).abs() < 1e-12);
+        let size = [20.0, 8.0];
+        let slot = Circle { shape: Shape::Rectangle { size, angle: 0.0 }, radius: 116f64.sqrt(), ..hexagon };
+        assert_eq!(
+            texts(&[slot, Circle { depth: None, ..slot }]),
+            ["20 \u{d7} 8 \u{d7} 5 deep", "20 \u{d7} 8 through"]
+        );
+        assert_eq!([slot.reach([1.0, 0.0]), slot.reach([0.0, -1.0])], [10.0, 4.0]);
+        let facets = Circle { shape: Shape::Regular { sides: 30, angle: 0.2 }, ..hexagon };
+        assert_eq!(texts(&[facets]), ["\u{2300}20 \u{d7} 5 deep"]);
     }
 
     #[test]

@@ -44,7 +44,9 @@ pub fn draw(svg: &mut Svg, panel: &Panel, groups: &[Group], x: f64) {
         let way = [end[0] - centre[0], end[1] - centre[1]];
         let length = libm::hypot(way[0], way[1]).max(1e-9);
         let towards = way.map(|part| part / length);
-        let tip = [0, 1].map(|k| centre[k] + panel.scale() * circle.radius * towards[k]);
+        // the vertical axis of the drawing points down
+        let reach = circle.reach([towards[0], -towards[1]]);
+        let tip = [0, 1].map(|k| centre[k] + panel.scale() * reach * towards[k]);
         // an arc may lie on the other side of its centre
         let path = format!("M{:.2} {:.2}L{:.2} {:.2}H{:.2}", tip[0], tip[1], end[0], end[1], x - BESIDE);
         svg.path("leader", path, "");

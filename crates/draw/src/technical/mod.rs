@@ -2,7 +2,8 @@
 //!
 //! The views are those of ISO 5456-2, in first-angle or third-angle projection. Lines are of the types of ISO 128-2: wide for visible
 //! edges, dashed for hidden holes, chain lines for the axes of cylinders and for circles of holes. Each view has the overall
-//! sizes, and the diameters of the cylinders that it shows as circles: `4× ⌀6.6 through`, `8× ⌀9 × 12 deep on ⌀95`, `R5`.
+//! sizes, the distances between flat faces at steps, the diameters of the cylinders that it shows as circles (`4× ⌀6.6 through`,
+//! `8× ⌀9 × 12 deep on ⌀95`, `R5`), and the sizes of polygonal holes: `hexagon 10 across flats × 5 deep`, `20 × 8 through`.
 
 mod circle;
 mod label;
@@ -17,8 +18,10 @@ use crate::svg::{Anchor, Svg};
 use crate::{DrawError, dimension};
 use circle::{Circle, Group, groups};
 use panel::Panel;
-use rayweave_analysis::features::{CylindricalFace, cylindrical_faces, extent};
-use rayweave_analysis::section::Cut;
+use rayweave_analysis::features::{
+    AxialFeatures, CylindricalFace, PolygonalFace, axial_features, cylindrical_faces, extent,
+};
+use rayweave_analysis::section::{Cut, SectionRun};
 use rayweave_error::Message;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::Evaluator;
@@ -98,9 +101,12 @@ pub fn technical_drawing<E: Evaluator>(
         return Err(DrawError::Option(message.suggest("Intersect it with a box.")));
     };
     let found = cylindrical_faces(evaluator);
+    let section_run = SectionRun { threads: run.threads, cancel: run.cancel.clone() };
+    let cancelled = |_| DrawError::Render(RenderError::Cancelled);
+    let axial = axial_features(evaluator, &found.faces, &section_run).map_err(cancelled)?;
     let paper = options.size.map_or(PAPER, |size| [size.width() as f64, size.height() as f64]);
     let views = options.projection.views();
-    let sheet = Sheet { bounds: extent.bounds, faces: &found.faces, paper, unit };
+    let sheet = Sheet { bounds: extent.bounds, faces: &found.faces, axial: &axial, paper, unit };
     let groups = views.map(|(view, ..)| sheet.groups(view));
     let scale = sheet.scale(&views, &groups)?;
     let mut drawing = Drawing { sheet: &sheet, scale: &scale, svg: Svg::default() };
@@ -116,6 +122,7 @@ pub fn technical_drawing<E: Evaluator>(
     if found.left_out > 0 {
         notes.push(format!("{} of the cylinders have no diameters: the model has too many.", found.left_out));
     }
+    notes.extend(axial_notes(&axial));
     if !extent.is_exact {
         notes.push(
             "the overall sizes were found by rays, which may miss a part thinner than 1/64 of the model. If it has a thin part at its \
@@ -126,10 +133,33 @@ pub fn technical_drawing<E: Evaluator>(
     Ok(TechnicalDrawing { svg, notes })
 }
 
+/// Notes on polygons and steps without dimensions.
+fn axial_notes(axial: &AxialFeatures) -> Vec<String> {
+    let mut notes = Vec::new();
+    for axis in 0..3 {
+        let (name, steps) = (["x", "y", "z"][axis], axial.steps[axis].len());
+        if axial.left_out.contains(&axis) {
+            notes.push(format!(
+                "no polygonal holes along {name} have sizes: the model has too many levels along {name}."
+            ));
+        }
+        if steps > MAX_STEPS {
+            notes.push(format!(
+                "the {steps} steps along {name} have no dimensions: the drawing has room for {MAX_STEPS}."
+            ));
+        }
+    }
+    notes
+}
+
+/// The greatest number of steps along an axis that have dimensions.
+const MAX_STEPS: usize = 5;
+
 /// The subject of a drawing.
 struct Sheet<'a> {
     bounds: Bounds,
     faces: &'a [CylindricalFace],
+    axial: &'a AxialFeatures,
     paper: [f64; 2],
     unit: Unit,
 }
@@ -141,7 +171,29 @@ impl Sheet<'_> {
         let towards = plane.normal();
         let is_circle = |face: &&CylindricalFace| face.axis().dot(towards).abs() > 1.0 - 1e-9;
         let circles = self.faces.iter().filter(is_circle).map(|face| Circle::new(face, &plane));
-        groups(circles.collect(), size, self.resolution())
+        let is_along = |face: &&PolygonalFace| face.along.normalize_or_zero().dot(towards).abs() > 1.0 - 1e-9;
+        let polygons = self.axial.polygons.iter().filter(is_along);
+        let polygons = polygons.map(|face| Circle::of_polygon(face, &plane, 1e-7 * size));
+        groups(circles.chain(polygons).collect(), size, self.resolution())
+    }
+
+    /// The positions of a chain of dimensions along an axis: the ends of the model and the steps between them; empty without steps.
+    fn levels(&self, axis: usize) -> Vec<f64> {
+        match &self.axial.steps[axis][..] {
+            steps if (1..=MAX_STEPS).contains(&steps.len()) => {
+                [&[self.bounds.lo[axis]], steps, &[self.bounds.hi[axis]]].concat()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// The space that chains of dimensions take to the left of views, and below the view from the front.
+    fn chains(&self) -> [f64; 2] {
+        let row = |axes: &[usize]| match axes.iter().all(|&axis| self.levels(axis).is_empty()) {
+            true => 0.0,
+            false => dimension::ROW,
+        };
+        [row(&[1, 2]), row(&[0])]
     }
 
     /// The resolution of the dimensions: a thousandth of a millimetre, and finer in tiny models.
@@ -167,10 +219,10 @@ impl Sheet<'_> {
             let widest = groups.iter().map(|group| label::width(&group.text)).fold(0.0, f64::max);
             texts[*column] = texts[*column].max(if widest > 0.0 { widest + GAP + 8.0 } else { GAP });
         }
-        let [width, height] = self.paper;
+        let ([width, height], chains) = (self.paper, self.chains());
         let room = [
-            width - 2.0 * MARGIN - SPACE - texts[0] - texts[1],
-            height - 2.0 * MARGIN - 2.0 * NAME - SPACE - TITLE - GAP,
+            width - 2.0 * MARGIN - SPACE - chains[0] - texts[0] - texts[1],
+            height - 2.0 * MARGIN - 2.0 * NAME - SPACE - chains[1] - TITLE - GAP,
         ];
         let most = (room[0] / (widths[0] + widths[1])).min(room[1] / (heights[0] + heights[1]));
         let scale = Scale::below(most, self.unit).filter(|_| room.iter().all(|room| *room > 0.0));
@@ -184,7 +236,7 @@ impl Sheet<'_> {
             (room[k] - pixels.pixels * (own[0] + own[1])).max(0.0)
         });
         // the rest is divided among the space around the views
-        let x0 = MARGIN + SPACE + 0.2 * spare[0];
+        let x0 = MARGIN + SPACE + chains[0] + 0.2 * spare[0];
         let x1 = x0 + pixels.pixels * widths[0] + texts[0] + 0.4 * spare[0];
         let y0 = MARGIN + NAME + 0.3 * spare[1];
         let y1 = y0 + pixels.pixels * heights[0] + NAME + GAP + 0.3 * spare[1];
@@ -229,14 +281,21 @@ impl Drawing<'_> {
         groups: &[Group],
         run: &mut Run<'_>,
     ) -> Result<(), DrawError> {
-        let [left, top, right, bottom] = panel.sides();
+        let [left, top, right, _] = panel.sides();
         let name = panel.view.name();
         self.svg.text("name", [left, top - 8.0], Anchor::Start, name, name);
         for line in self.edges(evaluator, &panel.plane, panel.window, 1.0 / self.scale.pixels, run)? {
             self.svg.path("edge", panel.path(&line), "");
         }
-        panel.lines(&mut self.svg, evaluator, self.sheet.faces, groups);
+        panel.lines(&mut self.svg, evaluator, (self.sheet.faces, &self.sheet.axial.polygons), groups);
         label::draw(&mut self.svg, panel, groups, right + GAP);
+        self.dimensions(panel);
+        Ok(())
+    }
+
+    /// The sizes of a view, and the distances of its steps.
+    fn dimensions(&mut self, panel: &Panel) {
+        let sides = panel.sides();
         let resolution = self.sheet.resolution();
         let value = |length: f64| crate::axis::format_number(length, resolution);
         let [width, height] = [0, 1].map(|k| value(panel.window[1][k] - panel.window[0][k]));
@@ -246,8 +305,34 @@ impl Drawing<'_> {
             View::Top => (None, Some(height)),
             _ => (None, None),
         };
-        dimension::draw_sides(&mut self.svg, [left, top, right, bottom], width.as_deref(), height.as_deref());
-        Ok(())
+        // the coordinate of the plane along each chain
+        let chains = match panel.view {
+            View::Front => vec![(0, 0), (2, 1)],
+            View::Top => vec![(1, 1)],
+            _ => Vec::new(),
+        };
+        let mut farther = [0.0; 2];
+        for (axis, coordinate) in chains {
+            let levels = self.sheet.levels(axis);
+            if levels.is_empty() {
+                continue;
+            }
+            let mut texts: Vec<String> = levels.windows(2).map(|pair| value(pair[1] - pair[0])).collect();
+            let place = |level: &f64| {
+                let mut at = [0.0; 2];
+                at[coordinate] =
+                    panel.plane.axes()[coordinate][axis] * (level - self.sheet.bounds.centre()[axis]);
+                panel.position(at)[coordinate]
+            };
+            let mut positions: Vec<f64> = levels.iter().map(place).collect();
+            if positions[0] > positions[1] {
+                positions.reverse();
+                texts.reverse();
+            }
+            dimension::chain(&mut self.svg, sides, coordinate == 1, &positions, &texts);
+            farther[1 - coordinate] = dimension::ROW;
+        }
+        dimension::draw_sides(&mut self.svg, sides, (width.as_deref(), height.as_deref()), farther);
     }
 
     /// The view at a slant, in the free corner.

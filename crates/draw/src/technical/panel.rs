@@ -4,11 +4,11 @@ use super::circle::Group;
 use crate::edges::is_edge;
 use crate::plan::Plan;
 use crate::svg::Svg;
-use rayweave_analysis::features::CylindricalFace;
+use rayweave_analysis::features::{CylindricalFace, PolygonalFace};
 use rayweave_analysis::section::Cut;
+use rayweave_math::Vec3;
 use rayweave_model::Evaluator;
 use rayweave_render::View;
-use std::f64::consts::TAU;
 
 type Point = [f64; 2];
 
@@ -65,7 +65,7 @@ impl Panel {
         &self,
         svg: &mut Svg,
         evaluator: &E,
-        faces: &[CylindricalFace],
+        (faces, polygons): (&[CylindricalFace], &[PolygonalFace]),
         groups: &[Group],
     ) {
         let jump = 1e-4 * (self.window[1][0] - self.window[0][0]).max(self.window[1][1] - self.window[0][1]);
@@ -76,26 +76,40 @@ impl Panel {
             }
             for circle in group.circles.iter().filter(|circle| circle.is_full).take(MAX_FACES) {
                 self.cross(svg, circle.centre, circle.radius);
-                let beside = |k: u32| {
-                    let angle = TAU * (f64::from(k) + 0.41) / 8.0;
-                    let at = |radius: f64| {
-                        [
-                            circle.centre[0] + radius * libm::cos(angle),
-                            circle.centre[1] + radius * libm::sin(angle),
-                        ]
-                    };
-                    [at((1.0 - BESIDE) * circle.radius), at((1.0 + BESIDE) * circle.radius)]
-                };
-                let pairs: Vec<[Point; 2]> = (0..8).map(beside).collect();
+                let pairs = circle.beside(BESIDE);
                 if is_edge(evaluator, &self.plane, &pairs, jump).contains(&false) {
-                    svg.circle("hidden", self.position(circle.centre), self.scale() * circle.radius, "");
+                    match &circle.corners()[..] {
+                        [] => {
+                            svg.circle(
+                                "hidden",
+                                self.position(circle.centre),
+                                self.scale() * circle.radius,
+                                "",
+                            );
+                        }
+                        corners => svg.path("hidden", self.plan.path(corners, true), ""),
+                    }
                 }
             }
         }
         let towards = self.plane.normal();
         let is_beside = |face: &&CylindricalFace| face.axis().dot(towards).abs() < 1e-9 && face.share > 0.5;
         for face in faces.iter().filter(is_beside).take(MAX_FACES) {
-            self.side(svg, evaluator, face, jump);
+            let ends = face.ends.map(|end| self.plane.place(end));
+            let sides = face.is_hole.then_some([-face.radius, face.radius]);
+            self.side(svg, evaluator, ends, sides, jump);
+        }
+        let is_beside = |face: &&PolygonalFace| {
+            face.is_hole && face.along.dot(towards).abs() < 1e-9 * face.along.length()
+        };
+        for face in polygons.iter().filter(is_beside).take(MAX_FACES) {
+            let count = face.corners.len() as f64;
+            let centre = face.corners.iter().copied().fold(Vec3::ZERO, |a, b| a + b) / count;
+            let across = towards.cross(face.along).normalize_or_zero();
+            let off = face.corners.iter().map(|&corner| across.dot(corner - centre));
+            let sides = off.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)]);
+            let ends = [centre, centre + face.along].map(|end| self.plane.place(end));
+            self.side(svg, evaluator, ends, Some(sides), jump);
         }
     }
 
@@ -107,28 +121,32 @@ impl Panel {
         svg.path("centre", path, "");
     }
 
-    /// The axis of a cylinder from the side, and its outline if it is a hole that is not visible.
-    fn side<E: Evaluator>(&self, svg: &mut Svg, evaluator: &E, face: &CylindricalFace, jump: f64) {
-        let [a, b] = face.ends.map(|end| self.plane.place(end));
-        let length = face.length();
+    /// The axis of a cylinder or prism from the side, and its outline if it is a hole that is not visible. `sides` are the distances of
+    /// the outline from the axis, to the left of it.
+    fn side<E: Evaluator>(
+        &self,
+        svg: &mut Svg,
+        evaluator: &E,
+        [a, b]: [Point; 2],
+        sides: Option<[f64; 2]>,
+        jump: f64,
+    ) {
+        let length = libm::hypot(b[0] - a[0], b[1] - a[1]);
         let along = [0, 1].map(|k| (b[k] - a[k]) / length);
         let beyond = BEYOND / self.scale();
         let at = |from: Point, by: f64, off: f64| {
             [from[0] + by * along[0] - off * along[1], from[1] + by * along[1] + off * along[0]]
         };
         svg.path("centre", self.path(&[at(a, -beyond, 0.0), at(b, beyond, 0.0)]), "");
-        if !face.is_hole {
-            return;
-        }
-        let side = |part: f64, sign: f64| {
-            let off = |factor: f64| at(a, part * length, sign * factor * face.radius);
-            [off(1.0 - BESIDE), off(1.0 + BESIDE)]
+        let Some([right, left]) = sides else { return };
+        let side = |part: f64, off: f64| {
+            [1.0 - BESIDE, 1.0 + BESIDE].map(|factor| at(a, part * length, factor * off))
         };
         let pairs: Vec<[Point; 2]> =
-            PARTS.iter().flat_map(|&part| [side(part, 1.0), side(part, -1.0)]).collect();
+            PARTS.iter().flat_map(|&part| [side(part, left), side(part, right)]).collect();
         if is_edge(evaluator, &self.plane, &pairs, jump).contains(&false) {
-            let r = face.radius;
-            let corners = [at(a, 0.0, r), at(b, 0.0, r), at(b, 0.0, -r), at(a, 0.0, -r), at(a, 0.0, r)];
+            let corners =
+                [at(a, 0.0, left), at(b, 0.0, left), at(b, 0.0, right), at(a, 0.0, right), at(a, 0.0, left)];
             svg.path("hidden", self.path(&corners), "");
         }
     }

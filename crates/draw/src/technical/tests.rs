@@ -91,6 +91,48 @@ fn hidden_holes_are_dashed() {
     assert_eq!(numbers(&svg, "hidden", "r").len(), 1, "{svg}");
 }
 
+const PLATE: &str = "rayweave = 1\n[solid.plate]\nbox_from_corners = { lo = [0, 0, 0], hi = [60, 40, 10] }\n\
+    [solid.nut]\nprism = { sides = 6, radius = 6, height = 8 }\ntransform = { translate = [15, 20, Z] }\n\
+    [solid.bolt]\ncylinder = { radius = 3 }\ntransform = { translate = [15, 20, 0] }\n\
+    [solid.slot]\nbox_from_corners = { lo = [32, 15, -1], hi = [52, 23, 11] }\n\
+    [solid.part]\nexpr = \"plate - nut - bolt - slot\"\n[[region]]\nsolid = \"part\"";
+
+/// A pocket for a nut around a hole for a bolt: six sides, as deep as the nut; and a rectangular hole.
+#[test]
+fn polygonal_holes_have_sizes() {
+    let flats = crate::axis::format_number(6.0 * 3f64.sqrt(), 1e-3);
+    for (z, is_hidden) in [("10", false), ("0", true)] {
+        let svg = drawing(&PLATE.replace('Z', z), &TechnicalOptions::default()).unwrap().svg;
+        assert!(has(&svg, &format!("hexagon {flats} across flats \u{d7} 4 deep")), "{svg}");
+        assert!(has(&svg, "20 \u{d7} 8 through") && has(&svg, "\u{2300}6 through"), "{svg}");
+        // the pocket from below is dashed in the view from above; from the front and the right every hole is
+        let hidden: Vec<&str> = svg.lines().filter(|line| line.contains("class=\"hidden\"")).collect();
+        assert_eq!(hidden.len(), 6 + usize::from(is_hidden), "{svg}");
+    }
+}
+
+/// Cylinders read as prisms with 30 sides.
+#[test]
+fn holes_of_facets_have_diameters() {
+    let text = PLATE.replace("sides = 6, radius = 6", "sides = 30, radius = 5").replace('Z', "10");
+    let svg = drawing(&text, &TechnicalOptions::default()).unwrap().svg;
+    assert!(has(&svg, "\u{2300}10 \u{d7} 4 deep"), "{svg}");
+}
+
+/// An angle with a foot 8 thick and a wall 5 thick: both thicknesses, the rest, and the overall sizes. The floor of a hole is no step.
+#[test]
+fn thicknesses_and_steps_have_dimensions() {
+    let text = "rayweave = 1\n[solid.foot]\nbox_from_corners = { lo = [0, 0, 0], hi = [60, 30, 8] }\n\
+        [solid.wall]\nbox_from_corners = { lo = [0, 0, 0], hi = [5, 30, 47] }\n\
+        [solid.hole]\ncylinder = { radius = 4, height = 7 }\ntransform = { translate = [40, 15, 8] }\n\
+        [solid.part]\nexpr = \"(foot | wall) - hole\"\n[[region]]\nsolid = \"part\"";
+    let found = drawing(text, &TechnicalOptions::default()).unwrap();
+    for value in ["8", "39", "5", "55", "60", "47", "30", "\u{2300}8 \u{d7} 3.5 deep"] {
+        assert_eq!(found.svg.matches(&format!(">{value}</text>")).count(), 1, "{value}: {}", found.svg);
+    }
+    assert!(found.notes.is_empty(), "{:?}", found.notes);
+}
+
 /// The middle of a bore is at the height where a fillet in front of it ends.
 #[test]
 fn hidden_holes_behind_joints_of_faces_are_dashed() {
