@@ -144,6 +144,44 @@ pub fn findings<E: Evaluator>(
     Ok(all)
 }
 
+/// A connected part of a region, as far as the chords of a grid show it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ConnectedPart {
+    pub region: RegionId,
+    pub volume: f64,
+    pub centre: Vec3,
+    pub bounds: Bounds,
+    /// The length of its longest chord.
+    pub longest: f64,
+}
+
+/// The connected parts of the selected regions within a box, none of which may be the space around all regions, and the number of
+/// rays. `None` if it takes too many rays to join them.
+pub(crate) fn connected_parts<E: Evaluator>(
+    evaluator: &E,
+    inner: Bounds,
+    across: usize,
+    is_selected: impl Fn(RegionId) -> bool,
+    cancel: &Cancel,
+) -> Result<(Option<Vec<ConnectedPart>>, u64), Cancelled> {
+    let mut found = Chords::of_grid(evaluator, inner, across.min(MAX_ACROSS), MAX_CHORDS, cancel)?;
+    found.join_at_crossings();
+    found.limit = found.rays + MAX_RAYS;
+    found.join_neighbours(false, cancel)?;
+    found.join_by_lines(false, cancel)?;
+    if found.has_given_up() {
+        return Ok((None, found.rays));
+    }
+    let mut sets: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for k in 0..found.chords.len() as u32 {
+        if is_selected(found.chords[k as usize].region) {
+            sets.entry(found.sets.of(k)).or_default().push(k);
+        }
+    }
+    let parts = sets.into_values().map(|chords| found.part(&chords)).collect();
+    Ok((Some(parts), found.rays))
+}
+
 impl<'a, E: Evaluator> Chords<'a, E> {
     /// The chords of a grid of so many rays along each side of a box and the space around it, or of a coarser grid with at most
     /// `most` chords.
@@ -507,6 +545,23 @@ impl<'a, E: Evaluator> Chords<'a, E> {
     fn volume(&self, chords: &[u32]) -> f64 {
         let of = |&k: &u32| self.chords[k as usize].length() * self.chords[k as usize].area;
         chords.iter().map(of).sum::<f64>() / 3.0
+    }
+
+    /// The part that consists of these chords, at least one.
+    fn part(&self, chords: &[u32]) -> ConnectedPart {
+        let own = || chords.iter().map(|&k| &self.chords[k as usize]);
+        let (mut moment, mut weight, mut bounds, mut longest) = (Vec3::ZERO, 0.0, Bounds::EMPTY, 0.0f64);
+        for chord in own() {
+            let size = chord.length() * chord.area;
+            moment += size * chord.middle();
+            weight += size;
+            longest = longest.max(chord.length());
+            for end in [chord.from, chord.to].map(|t| chord.ray.at(t)) {
+                bounds = bounds.union(&Bounds::new(end, end));
+            }
+        }
+        let region = own().next().map_or(RegionId(0), |chord| chord.region);
+        ConnectedPart { region, volume: weight / 3.0, centre: moment / weight, bounds, longest }
     }
 
     fn findings(&mut self, names: &[&str], is_space: bool) -> Vec<Finding> {

@@ -52,6 +52,7 @@ mod wall_tests;
 #[cfg(test)]
 mod work_tests;
 
+pub(crate) use connected::{ConnectedPart, connected_parts};
 pub use finding::{Finding, FindingKind};
 pub use hierarchy::Hierarchy;
 pub use report::{CheckReport, Scope};

@@ -1,6 +1,7 @@
 //! Comparison of the two solids of a pair.
 
-use super::pairs::Pair;
+use super::pairs::{A_ONLY, B_ONLY, Pair};
+use super::places::{self, Scrap};
 use super::{DiffSettings, Difference, ThickestSpot};
 use crate::AnalysisError;
 use crate::error::Make;
@@ -8,11 +9,8 @@ use crate::measure::{Estimate, MeasureProgress, MeasureSettings, MeasuredChord, 
 use crate::survey::{Across, Faces, Piece, Survey, survey, thickness_at_middle};
 use rayweave_error::Message;
 use rayweave_math::{Bounds, Vec3};
-use rayweave_model::{Evaluator, RegionId};
+use rayweave_model::Evaluator;
 use std::sync::Arc;
-
-const A_ONLY: RegionId = RegionId(2);
-const B_ONLY: RegionId = RegionId(3);
 
 /// The number of pieces that are kept until they are measured again. It bounds the memory, about 100 MB.
 const MAX_WAITING: usize = 1 << 20;
@@ -59,6 +57,7 @@ struct Candidate {
     chord: MeasuredChord,
     normals: [Vec3; 2],
     thickness: f64,
+    area: f64,
     is_a: bool,
 }
 
@@ -98,6 +97,7 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
             b_only: Estimate::default(),
             spot: None,
             place: None,
+            places: Vec::new(),
         };
         if !pair.is_written_alike() && !doubtful.is_empty() {
             found.is_proved = false;
@@ -126,7 +126,7 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
             let is_a = piece.region() == A_ONLY;
             if is_a || piece.region() == B_ONLY {
                 let (chord, normals, thickness) = (piece.chord(), piece.normals(), piece.thickness());
-                candidates.push(Candidate { chord, normals, thickness, is_a });
+                candidates.push(Candidate { chord, normals, thickness, area: piece.area, is_a });
             }
         };
         let mut remeasurement = Remeasurement::new(evaluator, self.distance);
@@ -139,7 +139,15 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
         remeasurement.measure();
         found.spot = remeasurement.thickest;
         found.is_same = found.spot.is_none_or(|spot| spot.thickness <= self.distance);
-        found.place = (!found.is_same).then_some(remeasurement.place);
+        if !found.is_same {
+            found.place = Some(remeasurement.place);
+            let cancel = &self.settings.measure.cancel;
+            let across = (self.settings.across as usize, self.distance);
+            let (places, rays) =
+                places::of(evaluator, remeasurement.place, across, &remeasurement.scraps, cancel)?;
+            found.places = places;
+            self.traced += rays;
+        }
         Ok(())
     }
 
@@ -164,12 +172,22 @@ struct Remeasurement<'a, E: Evaluator> {
     thickest: Option<ThickestSpot>,
     /// A box around the pieces thicker than the accepted distance.
     place: Bounds,
+    /// Some of these pieces.
+    scraps: Vec<Scrap>,
 }
 
 impl<'a, E: Evaluator> Remeasurement<'a, E> {
     fn new(evaluator: &'a E, distance: f64) -> Remeasurement<'a, E> {
         let (scratch, waiting) = (evaluator.scratch(), Vec::new());
-        Remeasurement { evaluator, scratch, distance, waiting, thickest: None, place: Bounds::EMPTY }
+        Remeasurement {
+            evaluator,
+            scratch,
+            distance,
+            waiting,
+            thickest: None,
+            place: Bounds::EMPTY,
+            scraps: Vec::new(),
+        }
     }
 
     fn add(&mut self, candidates: Vec<Candidate>) {
@@ -188,6 +206,10 @@ impl<'a, E: Evaluator> Remeasurement<'a, E> {
             if candidate.thickness > self.distance {
                 for end in [candidate.chord.from, candidate.chord.to] {
                     self.place = self.place.union(&Bounds::new(end, end));
+                }
+                if self.scraps.len() < places::MAX_SCRAPS {
+                    let Candidate { chord, area, is_a, .. } = candidate;
+                    self.scraps.push(Scrap { chord, volume: chord.length() * area / 3.0, is_a });
                 }
             } else {
                 accepted += 1;

@@ -30,13 +30,14 @@
 
 mod comparer;
 mod pairs;
+mod places;
 mod report;
 mod section;
 mod settings;
 #[cfg(test)]
 mod tests;
 
-pub use report::{DiffReport, Difference, ThickestSpot};
+pub use report::{DiffReport, Difference, DifferencePlace, ThickestSpot};
 pub use section::diff_section;
 pub use settings::{DiffSettings, Match};
 

@@ -4,8 +4,12 @@ use super::{DiffSettings, Match};
 use crate::AnalysisError;
 use crate::subject::clipped;
 use rayweave_error::Message;
-use rayweave_model::{Program, Region, Solid};
+use rayweave_model::{Program, Region, RegionId, Solid};
 use rayweave_scene::Scene;
+
+/// The regions of the program of a pair that belong to one model only; 1 is common to both.
+pub const A_ONLY: RegionId = RegionId(2);
+pub const B_ONLY: RegionId = RegionId(3);
 
 /// Matched solids of both models; `None` where a model has no counterpart.
 #[derive(Clone, Debug)]

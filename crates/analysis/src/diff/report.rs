@@ -58,6 +58,23 @@ pub struct Difference {
     pub spot: Option<ThickestSpot>,
     /// A box around all differences beyond the accepted thickness.
     pub place: Option<Bounds>,
+    /// The connected places of these differences, the largest volume first. Empty if there are so many that rays cannot tell
+    /// which are connected.
+    pub places: Vec<DifferencePlace>,
+}
+
+/// A connected part of space that belongs to one of the models only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct DifferencePlace {
+    /// True if the first model has material there and the second one does not.
+    pub is_a: bool,
+    /// An estimate of the volume from a grid of rays.
+    pub volume: f64,
+    /// An estimate of the centre of mass.
+    pub centre: Vec3,
+    /// A box around the parts of rays in it.
+    pub bounds: Bounds,
 }
 
 /// A place where models differ.

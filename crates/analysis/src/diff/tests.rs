@@ -52,6 +52,36 @@ fn different_descriptions_of_the_same_solid() {
     assert!(compared(cube, planes, &quick()).is_same());
 }
 
+/// Two holes, one of them displaced, and a knob: each place by its volume and centre, the largest first.
+#[test]
+fn each_connected_place_is_listed() {
+    let plate = "[solid.plate]\nbox_from_corners = { lo = [0, 0, 0], hi = [60, 40, 10] }\n";
+    let a = format!(
+        "{plate}[solid.hole]\ncylinder = {{ radius = 3 }}\ntransform = {{ translate = [15, 20, 0] }}\n\
+        [solid.part]\nexpr = \"plate - hole\"\n[[region]]\nsolid = \"part\""
+    );
+    let b = format!(
+        "{plate}[solid.knob]\nbox_from_corners = {{ lo = [40, 10, 5], hi = [44, 16, 12] }}\n\
+        [solid.slot]\nbox_from_corners = {{ lo = [50, 30, -1], hi = [51, 31, 11] }}\n\
+        [solid.part]\nexpr = \"(plate | knob) - slot\"\n[[region]]\nsolid = \"part\""
+    );
+    let report = compared(&a, &b, &quick());
+    let places = &report.pairs[0].places;
+    let expected = [
+        (false, 90.0 * PI, Vec3::new(15.0, 20.0, 5.0)),
+        (false, 48.0, Vec3::new(42.0, 13.0, 11.0)),
+        (true, 10.0, Vec3::new(50.5, 30.5, 5.0)),
+    ];
+    assert_eq!(places.len(), 3, "{places:?}");
+    for (place, (is_a, volume, centre)) in places.iter().zip(expected) {
+        assert_eq!(place.is_a, is_a, "{places:?}");
+        assert!((place.volume / volume - 1.0).abs() < 0.1, "{place:?}, {volume}");
+        assert!((place.centre - centre).length() < 0.2, "{place:?}");
+        assert!(place.bounds.contains(place.centre));
+    }
+    assert!(compared(&a, &a, &quick()).pairs[0].places.is_empty());
+}
+
 /// A shell thinner than the accepted thickness is not a difference, although rays near its rim have long pieces in it.
 #[test]
 fn thin_differences_are_ignored() {

@@ -6,7 +6,8 @@ use crate::terminal::{self, Sampling};
 use crate::{drawing, interrupt, interval};
 use clap::{Args, ValueEnum};
 use rayweave::diff::{
-    DiffProgress, DiffReport, DiffSettings, Difference, Match, ThickestSpot, diff_section, diff_with_progress,
+    DiffProgress, DiffReport, DiffSettings, Difference, DifferencePlace, Match, ThickestSpot, diff_section,
+    diff_with_progress,
 };
 use rayweave::measure;
 use rayweave::scene::Scene;
@@ -24,7 +25,8 @@ Exit codes:
 
 /// Compare two models: report whether they are the same solid and where they differ
 ///
-/// Rays search for parts that belong to one model only. Differences thinner than a distance (by default the size of rounding
+/// Rays search for parts that belong to one model only. Each connected place of a difference is listed with its volume and centre,
+/// estimated by a grid of rays, the largest first. Differences thinner than a distance (by default the size of rounding
 /// errors) are ignored; thickness is measured perpendicular to the surface. Several regions are compared by name. Lengths of the
 /// second model are converted to the unit of the first. With --solid, a second model with a single solid, such as an STL file, is
 /// compared as a whole, whatever the name of its solid. -D sets parameters of the first model only; the second one keeps its values.
@@ -227,6 +229,7 @@ impl Diff {
         text += &format!("volumes in {unit}^3, ± half the width of their confidence interval\n");
         for pair in report.pairs.iter().filter(|pair| !pair.is_same) {
             text += &example(pair);
+            text += &places(pair, unit);
         }
         text
     }
@@ -272,6 +275,32 @@ fn example(pair: &Difference) -> String {
     ) + "\n"
 }
 
+/// The greatest number of places in text.
+const MAX_PLACES: usize = 10;
+
+/// The connected places of differences, the largest first.
+fn places(pair: &Difference, unit: &str) -> String {
+    let count = pair.places.len();
+    if count < 2 {
+        return String::new();
+    }
+    let point = |p: rayweave::Vec3| terminal::short_point(p.to_array().map(|x| terminal::rounded(x, 4)));
+    let row = |place: &DifferencePlace| {
+        let size = place.bounds.size().to_array().map(terminal::short3).join(" x ");
+        let whose = if place.is_a { "A" } else { "B" };
+        vec![whose.to_owned(), format!("~{}", terminal::short3(place.volume)), point(place.centre), size]
+    };
+    let rows: Vec<Vec<String>> = pair.places.iter().take(MAX_PLACES).map(row).collect();
+    let header = ["only in", "volume", "centre", "extent"];
+    let more = match count.saturating_sub(MAX_PLACES) {
+        0 => String::new(),
+        more => format!("and {} (--json lists them)\n", terminal::count(more as u64, "smaller place")),
+    };
+    format!("{}: {count} places, the largest first, in {unit}\n", pair.name)
+        + &terminal::table(&header, &rows, &[false; 4])
+        + &more
+}
+
 fn pair_json(pair: &Difference) -> Value {
     let spot = pair.spot.map(|spot| {
         json!({
@@ -292,5 +321,15 @@ fn pair_json(pair: &Difference) -> Value {
         "b_only": interval::json(&pair.b_only),
         "spot": spot,
         "place": pair.place.map(|place| [place.lo.to_array(), place.hi.to_array()]),
+        "places": pair.places.iter().map(place_json).collect::<Vec<_>>(),
+    })
+}
+
+fn place_json(place: &DifferencePlace) -> Value {
+    json!({
+        "only_in": if place.is_a { "A" } else { "B" },
+        "volume": place.volume,
+        "centre": place.centre.to_array(),
+        "bounds": [place.bounds.lo.to_array(), place.bounds.hi.to_array()],
     })
 }

@@ -66,6 +66,33 @@ fn one_solid_of_each_model_is_compared() {
     assert!(run.code == 2 && run.err.contains("the names are ball, bar, part"), "{}", run.err);
 }
 
+/// Two holes of b.toml are missing in a.toml.
+#[test]
+fn places_of_differences_are_listed() {
+    let bench = Bench::new();
+    let plate = "rayweave = 1\n[solid.plate]\nbox = { size = [60, 40, 8] }\n";
+    bench.write("a.toml", plate);
+    let holes = "[solid.left]\ncylinder = { radius = 3 }\ntransform = { translate = [-15, 0, 0] }\n\
+        [solid.right]\nbox = { size = 4 }\ntransform = { translate = [15, 5, 0] }\n\
+        [solid.part]\nexpr = \"plate - left - right\"\n[[region]]\nsolid = \"part\"\n";
+    bench.write("b.toml", format!("{plate}{holes}"));
+    let run = bench.run(&["diff", "a.toml", "b.toml", "--cells", "32"]);
+    assert_eq!(run.code, 1, "{}", run.err);
+    let (_, list) = run.out.split_once("model: 2 places, the largest first, in mm\n").expect(&run.out);
+    let rows: Vec<Vec<&str>> = list.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!((rows.len(), rows[0][0], rows[1][0], rows[2][0]), (3, "only", "A", "A"), "{list}");
+    let json = bench.run(&["diff", "a.toml", "b.toml", "--cells", "32", "--json"]).out;
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let places = json["pairs"][0]["places"].as_array().unwrap();
+    let expected = [(72.0 * std::f64::consts::PI, [-15.0, 0.0, 0.0]), (64.0, [15.0, 5.0, 0.0])];
+    for (place, (volume, centre)) in places.iter().zip(expected) {
+        assert!((place["volume"].as_f64().unwrap() / volume - 1.0).abs() < 0.1, "{place}");
+        for (k, x) in centre.into_iter().enumerate() {
+            assert!((place["centre"][k].as_f64().unwrap() - x).abs() < 0.3, "{place}");
+        }
+    }
+}
+
 #[test]
 fn a_difference_has_exit_code_1_and_is_reported() {
     let bench = Bench::new();
