@@ -20,7 +20,7 @@ pub struct GlobalArguments {
     #[arg(long, global = true, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<NonZeroUsize>,
 
-    /// Show neither a progress bar nor messages of success
+    /// Show no progress bar, no messages of success and no warnings; errors stay
     #[arg(short, long, global = true)]
     pub quiet: bool,
 }

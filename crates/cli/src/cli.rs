@@ -6,6 +6,7 @@ use crate::command::{
     Schema, Section, Shapes, Thickness, Trace, Volume, Watch,
 };
 use crate::failure::Failure;
+use crate::terminal;
 use clap::{CommandFactory, Parser, Subcommand};
 
 const AFTER_HELP: &str = "\
@@ -74,6 +75,9 @@ pub enum Command {
 /// Runs the sub-command.
 pub fn run(cli: &Cli) -> Result<(), Failure> {
     let global = &cli.global;
+    if global.quiet {
+        terminal::silence_warnings();
+    }
     match &cli.command {
         Command::New(new) => new.run(global),
         Command::Render(render) => render.run(global),

@@ -8,6 +8,7 @@ use std::borrow::Cow;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 const RED: &str = "\x1b[1;31m";
@@ -92,9 +93,23 @@ pub fn complain(text: &str) {
     }
 }
 
-/// Writes a warning about ignored input, without a position in a model file.
+/// True if `--quiet` is given.
+static IS_QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Suppresses warnings from now on.
+pub fn silence_warnings() {
+    IS_QUIET.store(true, Ordering::Relaxed);
+}
+
+fn is_quiet() -> bool {
+    IS_QUIET.load(Ordering::Relaxed)
+}
+
+/// Writes a warning about ignored input, without a position in a model file, unless warnings are suppressed.
 pub fn caution(text: &str) {
-    tell(&format!("warning: {}", visible(text)));
+    if !is_quiet() {
+        tell(&format!("warning: {}", visible(text)));
+    }
 }
 
 /// Writes the problems of a model file, each with its position.
@@ -102,9 +117,9 @@ pub fn diagnose(diagnostics: &Diagnostics) {
     tell(&diagnostics.render(has_colour()));
 }
 
-/// Writes the warnings about a model file, if there are any.
+/// Writes the warnings about a model file, if there are any, unless warnings are suppressed.
 pub fn warn(warnings: &Diagnostics) {
-    if !warnings.is_empty() {
+    if !warnings.is_empty() && !is_quiet() {
         diagnose(warnings);
     }
 }

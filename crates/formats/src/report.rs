@@ -81,13 +81,28 @@ impl Report {
         self.iter().filter(|loss| loss.kind == kind).map(|loss| loss.count).sum()
     }
 
-    /// One warning per loss, in file order: construct, reason, first position, count.
+    /// One warning per kind of loss, in file order: construct, reason, first position, count. Losses of one construct whose messages
+    /// differ only by numbers are of one kind.
     pub fn warnings(&self) -> Diagnostics {
-        let warning = |loss: &Loss| match loss.count {
-            1 => loss.first.clone(),
-            count => loss.first.clone().why(format!("it occurs {count} times, first here")),
+        let mut kinds: HashMap<(LossKind, &str, String), usize> = HashMap::new();
+        let mut groups: Vec<Vec<&Loss>> = Vec::new();
+        for loss in self.iter() {
+            let message = loss.first.message().chars().filter(|c| !c.is_ascii_digit() && *c != '.').collect();
+            let group = *kinds.entry((loss.kind, &loss.what, message)).or_insert(groups.len());
+            match groups.get_mut(group) {
+                Some(group) => group.push(loss),
+                None => groups.push(vec![loss]),
+            }
+        }
+        let warning = |group: &Vec<&Loss>| {
+            let first = group.iter().min_by_key(|loss| loss.first.span()).map(|loss| loss.first.clone());
+            let how = if group.len() > 1 { " with different numbers" } else { "" };
+            match group.iter().map(|loss| loss.count).sum() {
+                1 => first,
+                count => first.map(|first| first.why(format!("it occurs {count} times{how}, first here"))),
+            }
         };
-        Diagnostics::new(self.iter().map(warning).collect())
+        Diagnostics::new(groups.iter().filter_map(warning).collect())
     }
 }
 
@@ -197,6 +212,15 @@ mod tests {
             [(LossKind::Refused, "a", 3), (LossKind::Approximated, "a", 3), (LossKind::Refused, "b", 1)];
         assert_eq!(rows, expected);
         assert_eq!(report.count(LossKind::Refused), 4);
+        let numbers = |report: &mut Report| {
+            for k in 0..4 {
+                report.add(LossKind::Approximated, "c", Diagnostic::warning(format!("c of {k}.5 mm")));
+            }
+        };
+        let mut varied = Report::default();
+        numbers(&mut varied);
+        let text = varied.warnings().to_string();
+        assert_eq!(text, "warning: c of 0.5 mm: it occurs 4 times with different numbers, first here.");
         let warnings = report.warnings();
         let messages: Vec<&str> = warnings.iter().map(|warning| warning.message()).collect();
         assert_eq!(

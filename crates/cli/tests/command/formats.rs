@@ -63,6 +63,10 @@ fn warnings_are_errors_if_asked() {
         let done = bench.run(&[command, "empty.toml"]);
         assert!(done.err.contains("warning: the model is empty"), "{command}: {}", done.err);
         assert!(bench.fails(3, &[command, "empty.toml", "--strict"]).contains("error: the model is empty"));
+        assert!(bench.fails(3, &["-q", command, "empty.toml", "--strict"]).contains("the model is empty"));
+        // errors stay
+        let quiet = bench.run(&["-q", command, "empty.toml"]).err;
+        assert!(!quiet.contains("warning") && quiet.contains("error") == (command == "check"), "{quiet}");
     }
     bench.write(
         "heavy.toml",
