@@ -68,7 +68,10 @@ pub fn require_file(path: &Path) -> PyResult<()> {
     match path.try_exists() {
         Ok(false) => Err(PyFileNotFoundError::new_err((
             NO_ENTRY,
-            "there is no such file".to_owned(),
+            match rayweave::scene::nearby_files(path) {
+                Some(hint) => format!("there is no such file: {hint}"),
+                None => "there is no such file".to_owned(),
+            },
             path.to_string_lossy().into_owned(),
         ))),
         _ => Ok(()),

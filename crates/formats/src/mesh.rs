@@ -170,7 +170,8 @@ impl<'a> Import<'a> {
                 ReadOptions::BYTES_PER_TRIANGLE
             );
         }
-        Diagnostic::error("the mesh cannot be read").why(why).in_file(self.source)
+        let hint = self.source.path().and_then(|path| rayweave_scene::nearby_files(path));
+        Diagnostic::error("the mesh cannot be read").why(why).suggest(hint).in_file(self.source)
     }
 
     /// The unit of the file, or the requested one.

@@ -3,6 +3,7 @@
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::document::Document;
 use crate::formats::native::{self, Kept, Reading};
+use crate::nearby::nearby_files;
 use crate::resolve::{reason, resolve, resolve_definitions};
 use crate::scene::Scene;
 use crate::source::{Source, Span};
@@ -127,7 +128,8 @@ impl Source {
     pub fn read(path: &Path) -> Result<Source, Diagnostics> {
         let source = |text: String| Source::new(Some(path.to_owned()), text);
         let problem = |reason: &str| {
-            let problem = Diagnostic::error("the model file cannot be read").why(reason);
+            let problem =
+                Diagnostic::error("the model file cannot be read").why(reason).suggest(nearby_files(path));
             Diagnostics::from(problem.in_file(&Arc::new(source(String::new()))))
         };
         let bytes = read_bytes(path).map_err(|reason| problem(&reason))?;

@@ -445,7 +445,7 @@ fn overrides() {
     check(
         "radius",
         "-2",
-        "error: sphere: radius is -2: radius must be finite and greater than 0. Did you mean 2?\n\x20--> <text>:5:21\n  |\n5 | sphere = { radius = 'radius' }\n  |                     ^^^^^^^^",
+        "error: sphere: radius is -2: radius must be finite and greater than 0. It is computed with radius = -2.\n\x20--> <text>:5:21\n  |\n5 | sphere = { radius = 'radius' }\n  |                     ^^^^^^^^",
     );
 }
 
@@ -478,10 +478,15 @@ fn files_that_cannot_be_read() {
         }
         let problems = load(&path, &[]).unwrap_err();
         let expected = expected.replace("FILE", &path.display().to_string());
+        let expected = expected.replace("FOLDER", &folder.display().to_string());
         assert_eq!(problems.render(false), expected);
         assert_eq!(problems.iter().next().unwrap().path(), Some(path.as_path()));
     };
-    check("none.toml", None, "error: the model file cannot be read: there is no such file.\n--> FILE");
+    check(
+        "none/none.toml",
+        None,
+        "error: the model file cannot be read: there is no such file. Check the folder `FOLDER/none`: it cannot be read.\n--> FILE",
+    );
     check("", None, "error: the model file cannot be read: it is a folder.\n--> FILE");
     check(
         "latin1.toml",

@@ -25,10 +25,14 @@ fn models_that_cannot_be_read() {
     let bench = Bench::new();
     let missing = bench.fails(3, &["info", "no-such-model.toml"]);
     assert!(
-        missing.starts_with("error: the model file cannot be read: there is no such file.\n"),
+        missing.starts_with("error: the model file cannot be read: there is no such file. This folder has `"),
         "{missing}"
     );
     assert!(missing.contains("no-such-model.toml"), "{missing}");
+    for command in ["info", "check"] {
+        let missing = bench.fails(3, &[command, "bal.toml"]);
+        assert!(missing.contains("Did you mean `ball.toml`?"), "{missing}");
+    }
     std::fs::create_dir(bench.path("folder.toml")).unwrap();
     assert!(bench.fails(3, &["info", "folder.toml"]).contains("it is a folder"));
     bench.write("binary.toml", b"\xff\xfe\x00");

@@ -205,6 +205,19 @@ impl Numbers {
         self.evaluate(context, &source, &arithmetic, text, span)
     }
 
+    /// The parameters of an arithmetic expression with their values, such as `hole = -1, t = 5`; `None` without parameters.
+    pub fn parameters_of(&self, text: &str) -> Option<String> {
+        let arithmetic = Arithmetic::parse(text).ok()?;
+        let mut found: Vec<String> = Vec::new();
+        for (name, _) in arithmetic.names() {
+            let is_constant = CONSTANTS.iter().any(|(constant, _)| *constant == name);
+            let value = self.values.get(name).copied().flatten().filter(|_| !is_constant);
+            let text = value.map(|value| format!("{name} = {}", written(value)));
+            found.extend(text.filter(|text| !found.contains(text)));
+        }
+        (!found.is_empty()).then(|| found.join(", "))
+    }
+
     /// The values of a vector, which must be finite.
     pub fn vector(&self, context: &mut Context, vector: &Vector) -> Option<Vec3> {
         let [x, y, z] = vector.each_ref().map(|number| self.finite(context, number));
@@ -228,7 +241,12 @@ impl Numbers {
         let value = self.number(context, number)?;
         if !holds(value) {
             let problem = Diagnostic::error(format!("{what} is {}", written(value)));
-            context.push(problem.why(format!("it must be {condition}")), number.span);
+            let cause = match &number.value {
+                Number::Text(text) => self.parameters_of(text),
+                Number::Value(_) => None,
+            };
+            let cause = cause.map_or_else(String::new, |cause| format!(", and it is computed with {cause}"));
+            context.push(problem.why(format!("it must be {condition}{cause}")), number.span);
             return None;
         }
         Some(value)

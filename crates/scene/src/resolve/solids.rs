@@ -446,13 +446,22 @@ fn shape(
         Ok(primitive) => complete.then(|| primitive.into()),
         // the missing parameter is given, but invalid
         Err(ShapeError::MissingParameter { .. }) if !complete => None,
-        Err(error) => {
-            let span = place_of(&error, keyword, arguments);
+        Err(mut error) => {
+            let (span, datum) = place_of(&error, keyword, arguments);
+            let cause = match datum {
+                Some(Datum::Text(text)) => numbers.parameters_of(text),
+                _ => None,
+            };
+            if let (ShapeError::OutOfRange { suggestion, .. }, Some(_)) = (&mut error, &cause) {
+                // it would replace the expression
+                *suggestion = None;
+            }
+            let cause = cause.map_or_else(String::new, |cause| format!(" It is computed with {cause}."));
             let is_centring = matches!(&error, ShapeError::UnknownParameter { name, .. } if CENTRING.contains(&name.as_str()));
             let hint = is_centring.then_some(
                 " Shapes are centred about the origin of their frame: leave it out, or move the solid with a `transform`.",
             );
-            context.push(Diagnostic::error(error.to_string() + hint.unwrap_or_default()), span);
+            context.push(Diagnostic::error(error.to_string() + hint.unwrap_or_default() + &cause), span);
             None
         }
     }
@@ -479,14 +488,18 @@ fn mesh(context: &mut Context, arguments: &Table, file: &Spanned<Datum>) -> Opti
         .map(|mesh| Primitive::from(mesh).into())
 }
 
-/// The span of the argument, or of a part of it, that an error refers to.
-fn place_of(error: &ShapeError, keyword: &Spanned<String>, arguments: &Table) -> Span {
+/// The span of the argument, or of a part of it, that an error refers to, and its value.
+fn place_of<'a>(
+    error: &ShapeError,
+    keyword: &Spanned<String>,
+    arguments: &'a Table,
+) -> (Span, Option<&'a Datum>) {
     let named = |name: &str| arguments.iter().find(|(own, _)| own.value == name);
     let Some((name, datum)) = error.parameter().and_then(named) else {
-        return keyword.span;
+        return (keyword.span, None);
     };
     if matches!(error, ShapeError::UnknownParameter { .. }) {
-        return name.span;
+        return (name.span, None);
     }
     let mut place = datum;
     for index in error.index() {
@@ -495,7 +508,7 @@ fn place_of(error: &ShapeError, keyword: &Spanned<String>, arguments: &Table) ->
             _ => break,
         }
     }
-    place.span
+    (place.span, Some(&place.value))
 }
 
 /// The transforms in order; each of them, and their product, must be invertible.
