@@ -154,12 +154,22 @@ def test_data_sets_have_the_columns():
     light = rw.optics.Columns({"radius": [1, 2], "fraction": [0.5, 1]}, {"radius": "mm"}).to_xarray()
     assert light.radius.attrs == {"units": "mm"} and light.sizes == {"row": 2}
     maps = rw.thickness({"die": rw.box(2)}, view="front", size=(5, 3)).to_xarray()
-    assert maps.lengths.dims == ("y", "x", "medium") and maps.lengths.sel(medium="die").max() == pytest.approx(2)
+    assert maps.lengths.dims == ("z", "x", "medium") and maps.lengths.sel(medium="die").max() == pytest.approx(2)
     plate = rw.thickness({"plate": rw.box([4, 1, 2]).translate([1, 0, 0.5])}, view="front", size=(400, 300)).to_xarray()
     inside = plate.lengths.sel(medium="plate") > 0.5
-    # the map is that of the view, whose centre is the centre of the model
-    assert [float(plate.x[inside.any("y")].min()), float(plate.y[inside.any("x")].max())] == pytest.approx([-2, 1], abs=0.03)
-    assert plate.x.attrs == {"units": "mm"} and plate.y[0] > plate.y[-1]
+    # the coordinates are those of the model, which reaches from -1 to 3 along x and to 1.5 along z
+    assert [float(plate.x[inside.any("z")].min()), float(plate.z[inside.any("x")].max())] == pytest.approx([-1, 1.5], abs=0.03)
+    assert plate.x.attrs == {"units": "mm"} and plate.z[0] > plate.z[-1]
+    block = rw.box([1, 2, 3]).translate([10, 20, 30])
+    for view, right, up in (("back", "-x", "z"), ("left", "-y", "z"), ("right", "y", "z"), ("top", "x", "y"), ("bottom", "x", "-y")):
+        maps = rw.thickness(rw.Region("block", block), view=view, size=(30, 30)).to_xarray()
+        assert maps.radiograph.dims == (up[-1], right[-1]), view
+        for axis, is_right in ((right, True), (up, False)):
+            values = maps[axis[-1]].values
+            assert values.mean() == pytest.approx({"x": 10, "y": 20, "z": 30}[axis[-1]])
+            assert (values[0] < values[-1]) == (is_right == (len(axis) == 1)), view
+    turned = rw.thickness(block, view="iso", size=(5, 5)).to_xarray()
+    assert turned.radiograph.dims == ("y", "x") and turned.x.mean() == pytest.approx(0)
     assert rw.section(A, "z=0").to_xarray().area.values == pytest.approx(math.pi, rel=1e-3)
     assert rw.check({"a": A, "b": A.translate([0.5, 0, 0])}, cells=8).to_xarray().sizes["row"] >= 1
     assert rw.measure(B).to_xarray().sizes["row"] == 1
@@ -233,3 +243,26 @@ def test_queries_keep_their_texts_and_other_errors():
     assert rw.Solid.hits.__doc__ and rw.Solid.hits.__name__ == "hits"
     with pytest.raises(TypeError, match="missing 1 required positional argument"):
         A.hits([0, 0, -3])
+
+
+def test_one_direction_belongs_to_all_origins():
+    origins = np.array([[0.0, 0, 0], [0, 1, 0], [0, 2, 0]])
+    found = rw.optics.source_of_rays(origins, [0, 0, 1]).rays()
+    assert found[0].tolist() == origins.tolist() and found[1].tolist() == [[0, 0, 1]] * 3
+    assert len(rw.optics.source_of_rays([0, 0, 0], [[0, 0, 1], [0, 1, 1]])) == 2
+    with pytest.raises(rw.RayweaveError, match="directions"):
+        rw.optics.source_of_rays(origins, [0, 1])
+
+
+def test_meshes_of_touching_regions_are_described_one_by_one():
+    both = rw.Model({"left": rw.box(2), "right": rw.box(2).translate(2, 0, 0)}).to_mesh()
+    lines = both.describe().splitlines()
+    assert lines[0] == '24 triangles, 16 vertices, 2 regions. to_mesh(by="region") returns a mesh for each.'
+    assert lines[1:] == [f"{name}: 12 triangles, 8 vertices, 1 shell" for name in ("left", "right")]
+    apart = rw.Model({"left": rw.box(2), "right": rw.box(2).translate(3, 0, 0)}).to_mesh()
+    assert apart.describe() == "24 triangles, 16 vertices, 2 shells"
+
+
+def test_weights_of_goals_are_named():
+    with pytest.raises(TypeError, match=r"Did you mean weight\?"):
+        rw.optics.goal("spot", field=0, weights=[1])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -35,6 +35,8 @@ class Mesh:
     """(V, 3) the vertices."""
     triangles: NDArray[np.uint32]
     """(T, 3) the vertices of each triangle, counter-clockwise seen from outside."""
+    _regions: tuple[tuple[str, int], ...] = field(default=(), repr=False)
+    """The names of the regions and their numbers of triangles, one after the other, in a mesh of several regions."""
 
     @property
     def faces(self) -> NDArray[np.uint32]:
@@ -87,13 +89,26 @@ class Mesh:
         return len(self.triangles) > 0 and self.open_edges == 0
 
     def describe(self) -> str:
-        """A summary with the number of all defects and the position of the first of each kind.
+        """A summary with the number of all defects and the position of the first of each kind. Where regions of a model touch, each
+        has triangles of its own: regions are examined one by one if the whole has defects.
 
         >>> import rayweave as rw
         >>> rw.box(2).to_mesh().describe()
         '12 triangles, 8 vertices, 1 shell'
+        >>> pair = rw.Model({"left": rw.box(2), "right": rw.box(2).translate(2, 0, 0)})
+        >>> print(pair.to_mesh().describe())
+        24 triangles, 16 vertices, 2 regions. to_mesh(by="region") returns a mesh for each.
+        left: 12 triangles, 8 vertices, 1 shell
+        right: 12 triangles, 8 vertices, 1 shell
         """
-        return self._defects()[3]
+        *_, summary, is_sound = self._defects()
+        if is_sound or len(self._regions) < 2:
+            return summary
+        counts = f"{len(self.triangles)} triangles, {len(self.vertices)} vertices, {len(self._regions)} regions"
+        ends = np.cumsum([count for _, count in self._regions])
+        parts = np.split(self.triangles, ends[:-1])
+        own = [f"{name}: {_compact(self.vertices, part).describe()}" for (name, _), part in zip(self._regions, parts, strict=True)]
+        return "\n".join([f'{counts}. to_mesh(by="region") returns a mesh for each.', *own])
 
     def _defects(self) -> tuple[int, int, float, str, bool]:
         """Shells, open edges, volume, summary, and whether the solid is unambiguous."""
@@ -203,7 +218,9 @@ def load_mesh(
 
 def mesh_of(subject: Subject, tolerance: float | None) -> Mesh:
     """All regions as one mesh."""
-    return _joined(_core.mesh_parts(subject, tolerance))
+    parts = _core.mesh_parts(subject, tolerance)
+    whole = _joined(parts)
+    return Mesh(whole.vertices, whole.triangles, tuple((name, len(corners)) for name, _, corners in parts))
 
 
 def meshes_of(subject: Subject, tolerance: float | None) -> dict[str, Mesh]:
@@ -212,6 +229,12 @@ def meshes_of(subject: Subject, tolerance: float | None) -> dict[str, Mesh]:
     for part in _core.mesh_parts(subject, tolerance):
         parts.setdefault(part[0], []).append(part)
     return {name: _joined(own) for name, own in parts.items()}
+
+
+def _compact(vertices: _Array, triangles: NDArray[np.uint32]) -> Mesh:
+    """The triangles with only the vertices that they use."""
+    used, corners = np.unique(triangles, return_inverse=True)
+    return Mesh(vertices[used], corners.reshape(-1, 3).astype(np.uint32))
 
 
 def _joined(parts: list[tuple[str, _Array, NDArray[np.uint32]]]) -> Mesh:

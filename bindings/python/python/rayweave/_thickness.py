@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from html import escape
 from typing import Any, Literal
 from warnings import warn
@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rayweave import _core
-from rayweave._model import Subject
+from rayweave._core import Model
+from rayweave._model import Region, Subject
 from rayweave._package import package
 from rayweave._picture import Camera, Picture
 from rayweave._table import Rows
@@ -21,6 +22,16 @@ from rayweave._whole import whole
 from rayweave._words import did_you_mean, suggesting
 
 _Array = NDArray[np.float64]
+
+#: The axes to the right and upwards, with their signs, in the views along an axis.
+_VIEW_AXES = {
+    "front": ((0, 1), (2, 1)),
+    "back": ((0, -1), (2, 1)),
+    "left": ((1, -1), (2, 1)),
+    "right": ((1, 1), (2, 1)),
+    "top": ((0, 1), (1, 1)),
+    "bottom": ((0, 1), (1, -1)),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +60,8 @@ class Thickness:
     unit: str
     pixel_size: float | None
     """The distance between the rays of neighbouring pixels in `unit`; None if the rays are not parallel."""
+    _seen: tuple[str, Subject] | None = field(default=None, repr=False)
+    """The view along an axis, and the model."""
 
     @property
     def extent(self) -> tuple[float, float, float, float]:
@@ -85,23 +98,47 @@ class Thickness:
         return self._rows().to_arrow()
 
     def to_xarray(self) -> Any:
-        """The maps as an xarray Dataset: `lengths` (y, x, medium), `radiograph` and `line_integral` (y, x), `attenuation` (medium).
+        """The maps as an xarray Dataset: `lengths` (.., .., medium), `radiograph`, `line_integral`, and `attenuation` (medium).
 
-        With parallel rays, `x` and `y` are the centres of the pixels about that of the map, in `unit`, y upwards."""
+        In a view along an axis, such as "front", the dimensions are the axes of the model upwards and to the right, ("z", "x"), and the
+        coordinates are those of the model at the centres of the pixels, in `unit`. Otherwise they are ("y", "x"), and with parallel rays
+        `x` and `y` are the centres of the pixels about that of the map, y upwards.
+
+        >>> import rayweave as rw
+        >>> found = rw.thickness({"bar": rw.box([8, 1, 2]).translate(10, 0, 0)}, view="front", size=(9, 3))
+        >>> maps = found.to_xarray()
+        >>> maps.lengths.dims, float(maps.x.mean())
+        (('z', 'x', 'medium'), 10.0)
+        """
         xarray = package("xarray", "its datasets")
+        right, up, centre = self._axes()
         variables = {
-            "lengths": (("y", "x", "medium"), self.lengths.copy(), {"units": self.unit}),
-            "radiograph": (("y", "x"), self.radiograph.copy()),
-            "line_integral": (("y", "x"), self.line_integral.copy()),
+            "lengths": ((up[0], right[0], "medium"), self.lengths.copy(), {"units": self.unit}),
+            "radiograph": ((up[0], right[0]), self.radiograph.copy()),
+            "line_integral": ((up[0], right[0]), self.line_integral.copy()),
             "attenuation": (("medium",), self.attenuation.copy(), {"units": f"1/{self.unit}"}),
         }
         coordinates: dict[str, Any] = {"medium": list(self.media)}
         if self.pixel_size is not None:
             height, width = self.radiograph.shape
-            x = self.pixel_size * (np.arange(width) - 0.5 * (width - 1))
-            y = self.pixel_size * (0.5 * (height - 1) - np.arange(height))
-            coordinates |= {"x": ("x", x, {"units": self.unit}), "y": ("y", y, {"units": self.unit})}
+            across = centre[0] + right[1] * self.pixel_size * (np.arange(width) - 0.5 * (width - 1))
+            upwards = centre[1] + up[1] * self.pixel_size * (0.5 * (height - 1) - np.arange(height))
+            units = {"units": self.unit}
+            coordinates |= {right[0]: (right[0], across, units), up[0]: (up[0], upwards, units)}
         return xarray.Dataset(variables, coordinates)
+
+    def _axes(self) -> tuple[tuple[str, int], tuple[str, int], tuple[float, float]]:
+        """The names and signs of the axes to the right and upwards, and the coordinates of the centre along them."""
+        if self._seen is not None:
+            view, subject = self._seen
+            (right, right_sign), (up, up_sign) = _VIEW_AXES[view]
+            solid = subject.solid if isinstance(subject, Region) else subject
+            bounds = solid.bounds if hasattr(solid, "bounds") else Model(solid).bounds  # type: ignore[arg-type]
+            centre = 0.5 * (bounds[0] + bounds[1])
+            # the centre of an unbounded model is not that of its box
+            if np.isfinite(centre).all():
+                return ("xyz"[right], right_sign), ("xyz"[up], up_sign), (float(centre[right]), float(centre[up]))
+        return ("x", 1), ("y", 1), (0.0, 0.0)
 
     def _rows(self) -> Rows:
         y, x = np.indices(self.radiograph.shape)
@@ -175,4 +212,5 @@ def thickness(
     )
     for remark in remarks:
         warn(remark, stacklevel=3)
-    return Thickness(tuple(media), lengths, radiograph, integral, np.array(attenuation), unit, pixel_size)
+    seen = (view, subject) if view in _VIEW_AXES else None
+    return Thickness(tuple(media), lengths, radiograph, integral, np.array(attenuation), unit, pixel_size, seen)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave._table import table_of
+from rayweave._words import suggesting
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import all_of, each, flag, real, text, whole
 from rayweave.optics._images import _labelled
@@ -278,6 +279,7 @@ _OPERAND_WORDS = {
 }
 
 
+@suggesting(weights="weight", value="equal", target="equal")
 def goal(
     operand: str,
     equal: float | None = None,
@@ -302,6 +304,10 @@ def goal(
     the square of the RMS radius, and "wavefront" at a wavelength, whose sum of squares is the square of the RMS in
     waves. A spot contains all wavelengths with their weights about their common centroid, as `Prescription.spots` and
     `tolerance`; with `wavelength_nm` it has one wavelength and its own centroid, and lateral colour does not count.
+
+    `weight` multiplies the deviation of this goal beside the others. The weights of wavelengths are those of the prescription,
+    `Prescription(.., wavelengths_nm=.., weights=..)`, in goals as in `Prescription.spots`; fields have equal weights in `spots`, and in
+    an optimisation the weights of their goals.
 
     >>> import rayweave.optics as ro
     >>> ro.goal("focal length", 50, weight=2).target

@@ -250,16 +250,23 @@ def source_of_rays(
     power: ArrayLike | tuple[Literal["total"], float] = 1.0,
 ) -> Source:
     """Rays given one by one: origins (N, 3), and directions (N, 3) of any length but 0; grids (..., 3) of rays are numbered in
-    row-major order. Wavelengths are an array (N,), or a spectrum from which they are drawn; powers an array (N,), one number for all rays, or ("total", power).
+    row-major order. One direction (3,) belongs to all origins, and one origin to all directions. Wavelengths are an array (N,), or a spectrum from which they are drawn; powers an array (N,), one number for all rays, or ("total", power).
 
     >>> import rayweave.optics as ro
     >>> light = ro.source_of_rays([[0, 0, 0], [0, 1, 0]], [[0, 0, 1], [0, 0, 1]], power=[1, 2])
     >>> light.rays()[3]
     array([1., 2.])
+    >>> len(ro.source_of_rays([[0, 0, 0], [0, 1, 0], [0, 2, 0]], [0, 0, 1]))
+    3
     """
     lengths = _column(wavelength_nm, "wavelength_nm")
     powers = _column(power, "power")
     starts, ways = (_flat(given, name) for given, name in ((origins, "origins"), (directions, "directions")))
+    # one vector is repeated without copies
+    if starts.shape == (3,) and ways.ndim == 2:
+        starts = np.broadcast_to(starts, (len(ways), 3))
+    if ways.shape == (3,):
+        ways = np.broadcast_to(ways, (len(starts), 3)) if starts.ndim == 2 else ways
     compiled = _core.LightSource.listed(starts, ways, lengths, powers)
     if lengths is None:
         compiled = compiled.with_spectrum(_spectrum(wavelength_nm))  # type: ignore[arg-type]
