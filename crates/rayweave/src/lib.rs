@@ -193,6 +193,9 @@
 //! All errors convert into [`Error`], whose text states problem, reason and suggestion; [`Error::kind`]
 //! classifies them.
 
+// docs.rs builds with a nightly compiler and this flag: each item shows the features that it needs
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 mod error;
 #[cfg(all(feature = "draw", feature = "lens"))]
 mod lens_drawing;
