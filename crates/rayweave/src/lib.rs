@@ -25,9 +25,9 @@
 //! # Ray queries
 //!
 //! A [`Program`] is a solid compiled into flat tables, in which coincident faces are merged into one surface.
-//! [`Packets`] is the default evaluator, with eight rays at a time in small models; [`Weave`] is for models
-//! of any size; [`Reference`] is the simplest implementation; [`SingleHit`] can explain its decisions (see
-//! [`explain()`]). All implement the trait [`Evaluator`].
+//! All evaluators implement the trait [`Evaluator`] and return the same answers. [`Packets`] is the default and
+//! traces eight rays at a time in small models; [`Weave`] is for models of any size; [`Reference`] is the simplest
+//! implementation; [`SingleHit`] can explain its decisions (see [`explain()`]).
 //!
 //! ```
 //! use rayweave::{Evaluator, Program, Query, Ray, Vec3, Weave, shapes::sphere};
@@ -167,7 +167,7 @@
 //! # Boolean algebra without geometry
 //!
 //! [`rootray`] is independent of geometry: it combines the times at which a trajectory changes sides, for one
-//! ray or for arrays of rays. Programs that compute these times themselves need no other module.
+//! ray or for arrays of rays. It suffices for programs that compute these times themselves.
 //!
 //! ```
 //! use rayweave::rootray::{RootRay, Side};
@@ -185,8 +185,9 @@
 //! `draw`, `formats`, `lens`, `optics`, `photon`, `render`, `scene`, `space`, `table`, `parquet`, `gpu`, `spans` and
 //! `seed-view` add the rest.
 //!
-//! Examples of items that the facade takes from another crate name that crate: read `rayweave_rootray::` as
-//! `rayweave::rootray::`, and so on; `check` and other questions about models are in `rayweave_analysis`.
+//! This crate re-exports items of other crates, and their examples name these crates: read `rayweave_rootray::`
+//! as `rayweave::rootray::`, and so on. `check`, `diff`, `measure` and other analyses come from
+//! `rayweave_analysis`.
 //!
 //! # Errors
 //!

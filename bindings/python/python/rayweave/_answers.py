@@ -62,9 +62,9 @@ class Crossings(Table):
     start_inside: NDArray[np.bool_]
     """(N,) whether the ray is inside just after t_min."""
     surface_names: tuple[str, ...]
-    """The names of all faces: the name of the solid, the shape, and its face. Two shapes of one kind in a solid without names of
-    their own, such as a sphere with a spherical cavity, have the same names of faces: name the shapes, or distinguish them by
-    `leaf`."""
+    """The names of all faces: the name of the solid, the shape, and its face. Two shapes of one kind without names of their own,
+    such as a sphere with a spherical cavity, have the same names of faces: name the shapes with `Solid.named`, or distinguish them
+    by `leaf`."""
 
     if not TYPE_CHECKING:
 
@@ -117,8 +117,8 @@ _MADE: dict[str, Callable[[Any], NDArray[Any]]] = {
 class ModelCrossings(Crossings):
     """Crossings at which the medium changes: like `Crossings`, with media and regions.
 
-    ``enters`` is True if the medium after the crossing is not that of the world. Between two such media the normal
-    points against the ray. Where two regions of one medium touch or overlap, there is no crossing, so that the region after a
+    ``enters`` is True if the medium after the crossing is not that of the world. Where neither medium is that of the world, the
+    normal points against the ray. Where two regions of one medium touch or overlap, there is no crossing, so that the region after a
     row may differ from the region before the next one; with ``by="region"`` there is one.
 
     >>> import rayweave as rw

@@ -46,10 +46,13 @@ class Finding:
     regions: tuple[str, ...]
     """The regions involved."""
     text: str
+    """The finding in words, such as ``wall is thin``."""
     size: float
-    """The depth, thickness or width."""
+    """The depth of an overlap, the thickness of a wall or the width of a gap."""
     volume: float
+    """The volume of an overlap, or of the part of a daughter outside its mother."""
     volume_half_width: float
+    """Half the width of the confidence interval of `volume`."""
     area: float
     """The area where regions touch."""
     at: _Array
@@ -149,11 +152,31 @@ def check(
 ) -> Check:
     """Look for overlaps, daughters outside their mothers, gaps, thin walls, and parts without effect.
 
-    The check reports walls thinner than `wall`, gaps narrower than `gap` (default: 1e-5 of the diagonal of the model)
-    and overlaps deeper than `distance` (default: 1e-9 of it). Bounding boxes prove what they can; rays examine the
-    rest. A finding is certain, and the thickness of a wall is the diameter of a ball between its faces; the absence of findings is only as certain as the 6 `cells`^2 rays through the model
-    are dense. Equal seeds give equal results.
+    Bounding boxes prove what they can; 6 `cells`^2 rays through the model examine the rest. Each finding is certain, but faults
+    between the rays may be missed. Equal seeds give equal results.
 
+    Parameters
+    ----------
+    wall
+        Walls thinner than this length are reported. The thickness of a wall is the diameter of a ball between its faces.
+    gap
+        Gaps narrower than this length are reported; 1e-5 of the diagonal of the model.
+    distance
+        Overlaps deeper than this length are reported; 1e-9 of the diagonal of the model.
+    cells
+        Cells along each edge of a cross-section of the model, one ray for each cell; fewer where a ray reaches more than 64 shapes
+        on average.
+    confidence
+        The confidence level of volumes.
+    most_pairs
+        The maximum number of pairs of parts, and of operands, to examine.
+    within
+        (2, 3) the corners of a box: only the part of the model within it is examined.
+    pictures
+        Whether each finding has a `section`.
+
+    Examples
+    --------
     >>> import rayweave as rw
     >>> print(rw.check({"wall": rw.box([4, 4, 0.01])}, wall=0.1, cells=16)[0].text)
     wall is thin

@@ -43,12 +43,13 @@ class Diff(Table):
     names: tuple[str, ...]
     """The names of the regions or media that were compared; "model" for everything."""
     same: _Truths
-    """(P,) the same statement for each part."""
+    """(P,) whether no difference thicker than `distance` was found in the part."""
     proved: _Truths
-    """(P,) whether that is proved without rays."""
+    """(P,) whether `same` is proved without rays."""
     in_a: _Truths
-    """(P,) whether the first model has such a part."""
+    """(P,) whether the first model has a part of this name."""
     in_b: _Truths
+    """(P,) whether the second model has a part of this name."""
     both: _Array
     """(P,) volumes common to both models."""
     both_half_width: _Array
@@ -56,6 +57,7 @@ class Diff(Table):
     """(P,) volumes that belong to the first model only."""
     a_only_half_width: _Array
     b_only: _Array
+    """(P,) volumes that belong to the second model only."""
     b_only_half_width: _Array
     thickness: _Array
     """(P,) the thickness of the thickest difference found, 0 if there is none."""

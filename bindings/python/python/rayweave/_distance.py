@@ -34,7 +34,8 @@ class Distances(Table):
     _columns: ClassVar[tuple[str, ...]] = ("point", "distance", "nearest", "lower", "upper", "is_exact")
 
     distance: _Array
-    """(N,) the distance of `nearest`, negative inside and between the bounds in magnitude; infinite if there is no surface or none was found."""
+    """(N,) the distance of `nearest`, negative inside; its magnitude lies between the bounds. Infinite if there is no surface or none
+    was found."""
     lower: _Array
     """(N,) a lower bound of the magnitude of the distance."""
     upper: _Array
@@ -42,7 +43,7 @@ class Distances(Table):
     is_exact: NDArray[np.bool_]
     """(N,) whether both bounds agree within the requested precision, or there is no surface."""
     nearest: _Array
-    """(N, 3) the nearest point of the surface that was found, to the side of the nearest one by at most about the square root of the
-    precision times the distance; NaN if none was found."""
+    """(N, 3) the nearest point of the surface that was found; NaN if none was found. It may be off the exact nearest point, along the
+    surface, by about the square root of the precision, times the distance."""
     point: _Array
     """(N, 3) the points."""

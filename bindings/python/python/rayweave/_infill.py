@@ -40,14 +40,14 @@ def infill(
 ) -> NDArray[Any]:
     """The traces that fill the layers of a solid or a model, or a region of the plane: a structured array.
 
-    Its fields are layer, z, scanline, component, x0, y0, x1, y1, one row for each trace, in the order in which a tool
-    runs them. Scan line k is where p . (-sin angle, cos angle) = (k + phase) spacing, in every layer; traces on
+    It has one row for each trace, in the order in which a tool runs them, with the fields layer, z, scanline, component, x0, y0, x1,
+    y1. Scan line k is where p . (-sin angle, cos angle) = (k + phase) spacing, in every layer; traces on
     adjacent scan lines that overlap belong to one component of their layer.
 
-    angle is in degrees from +x towards +y, phase a fraction of the spacing from 0 to 1. A solid is cut at the heights
+    `angle` is in degrees from +x towards +y, `phase` a fraction of the spacing from 0 to 1. A solid is cut at the heights
     `layers`, or in the middle of layers that are `layer_height` thick, from its lower bound upwards; a region is one
-    layer at z = 0. Each layer is rotated by `turn` degrees against the one before; with `alternate`, lines with odd
-    numbers run backwards.
+    layer at z = 0. The lines of each layer are rotated by `turn` degrees relative to the layer before; with `alternate`, lines with
+    odd numbers run backwards.
 
     >>> import rayweave as rw
     >>> square = rw.from_polygons([[[0, 0], [4, 0], [4, 4], [0, 4]]])

@@ -90,12 +90,11 @@ def measure(
 ) -> Measurement:
     """Measure the regions of a model, a solid, or several solids, by stratified rays.
 
-    Rays are added until half the width of each volume's interval, at the level of `confidence`, is at most `precision`
-    times the volume, or `most_rays` have been traced for a region, or for all regions
-    together in a model of more than 32. The default of `most_rays` is 2^24, or fewer if they would reach more than 2^25
-    shapes: where many shapes overlap. Parts that later regions cover do not count.
-    `within` (2, 3), the corners of a box, restricts the measurement to the box. Equal seeds give equal results,
-    regardless of the number of threads.
+    Rays are added until half the width of each volume's interval, at the level of `confidence`, is at most `precision` times the
+    volume, or until `most_rays` rays have been traced. `most_rays` counts the rays of each region, in a model of more than 32
+    regions those of all regions together; its default is 2^24, or fewer in models where many shapes overlap, so that rays reach at
+    most 2^25 shapes. Parts of a region that later regions cover do not count. `within` (2, 3), the corners of a box, restricts the
+    measurement to the box. Equal seeds give equal results, regardless of the number of threads.
 
     >>> import rayweave as rw
     >>> found = rw.measure({"ball": rw.sphere(1)})

@@ -1,6 +1,6 @@
 """The boolean algebra of solids along one ray: the functions of J. Stolfi's module *rootray* (2021), under its names.
 
-A root-ray says on which side of a solid a trajectory starts and at which times it crosses the boundary. These functions
+A root-ray is the side of a solid on which a trajectory starts and the times at which it crosses the boundary. These functions
 take `RootRay` objects or that module's pairs ``(s, T)``: ``s`` is +1 if the trajectory starts in the exterior and -1 if
 it starts in the interior, ``T`` is a list of strictly increasing finite times. The result is a pair if all operands are
 pairs, and a `RootRay` otherwise.

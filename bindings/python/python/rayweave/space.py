@@ -57,7 +57,7 @@ __all__ = [
 
 
 class Trajectory(Protocol):
-    """The methods of a user-defined curve; the third one promises a bound.
+    """The methods of a user-defined curve; the third one returns a bound of its acceleration.
 
     The answers are correct if the curve is continuously differentiable and the bound holds. A violation that is
     detected raises a `RayweaveError` with the times; exceptions raised by these methods propagate unchanged. The

@@ -1,4 +1,4 @@
-"""Runs on many processes or machines, with the bits of a run on one.
+"""Runs on many processes or machines, with results that are bit-identical to those of one process.
 
 A job is a function of its arguments and a range of numbers: of photons, rays or items. Its parts run anywhere, in any order, and the
 joined result does not depend on how the numbers were divided. The modules `futures`, `dask`, `ray` and `mpi` run jobs on

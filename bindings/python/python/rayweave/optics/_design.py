@@ -126,21 +126,24 @@ def tolerance(
 ) -> Trials:
     """Monte Carlo tolerancing: draws random errors of parameters and computes their effect on a merit.
 
-    A parameter is named by a quantity and surfaces, counted from 1: "radius 2", "curvature 2", "thickness 1", "conic
-    1", "index 1", "r^4 1" (the coefficient of a power of the distance from the axis, 1 to 16); and, for surfaces that
-    move as one body, about the vertex of the first, "decentre x 1-2", "decentre y 3", "tilt x 1-2", "tilt y 3"
-    (degrees). The merit is the RMS radius of the spots ("spot"), the RMS of the wavefronts in waves ("wavefront"), the
-    "focal length", the "back focal distance", or the displacement of the first field's centroid ("image shift"). A spot
-    contains all wavelengths about their common centroid; rays have the weight of their wavelength times that of their
-    point of the pupil (`pupil_quadrature`). Wavefronts are at the primary wavelength. Spot and wavefront merits are root mean squares
-    over all fields of the prescription, with equal weights. Rays are traced from surface to surface and fill the paraxial
-    entrance pupil in `rings` rings, regardless of the semi-diameters; with `vignette`, a ray ends where it hits a surface beyond its stated
-    semi-diameter, or in its hole.
+    The name of a parameter is a quantity and a surface, counted from 1: "radius 2", "curvature 2", "thickness 1", "conic 1",
+    "index 1", or "r^4 1", the coefficient of a power of the distance from the axis, 1 to 16. Surfaces that move as one body, about the
+    vertex of the first, have "decentre x 1-2", "decentre y 3", "tilt x 1-2", "tilt y 3" (degrees).
 
-    With `mirror_fields`, each field (x, y) is evaluated at (-x, -y), too, and the two have half its weight each. An error
-    that decentres or tilts a surface can improve the fields on one side of the axis as much as it spoils those on the other, so
-    that errors look harmless where the fields lie on one side only. By default fields are therefore mirrored if all lie on
-    one side, an error decentres or tilts surfaces, and the lens is round about one axis; `Trials.mirrored` states it.
+    - "spot": the RMS radius of the spots. A spot contains all wavelengths about their common centroid; rays have the weight of their
+      wavelength times that of their point of the pupil (`pupil_quadrature`);
+    - "wavefront": the RMS of the wavefronts at the primary wavelength, in waves;
+    - "focal length", "back focal distance";
+    - "image shift": the displacement of the first field's centroid.
+
+    Spot and wavefront merits are root mean squares over all fields of the prescription, with equal weights. Rays are traced from
+    surface to surface and fill the paraxial entrance pupil in `rings` rings, regardless of the semi-diameters; with `vignette`, a ray
+    ends where it hits a surface beyond its stated semi-diameter, or in its hole.
+
+    With `mirror_fields`, each field (x, y) is also evaluated at (-x, -y), with half of its weight each. An error that decentres or tilts
+    a surface can improve the fields on one side of the axis as much as it spoils those on the other; with fields on one side only, its
+    effect would be underestimated. By default fields are therefore mirrored if all lie on one side, an error decentres or tilts
+    surfaces, and the lens is round about one axis; `Trials.mirrored` is then true.
 
     With `refocus`, the image of every trial is moved to the minimum of the mean square radius of all spots. Trial k
     does not depend on the number of trials or threads, and appending parameters does not change the errors of earlier
@@ -458,14 +461,17 @@ def optimise(
 ) -> Optimum:
     """Minimises the sum of squares of the weighted deviations from goals, starting from a prescription.
 
-    Parameters have the names of `tolerance`, except those that move surfaces off the axis; `goal` creates goals. The
-    algorithm is that of Levenberg and Marquardt in the form of J. J. Moré (1978), as in MINPACK. It finds a local minimum
-    near the start, not the global one. Spots and wavefronts are means over the pupil from 2 rings (rings + 2) rays
-    (`pupil_quadrature`), which exclude the ray through the rim. The search ends after `patience * (number of parameters + 1)` evaluations of the goals,
-    not counting those for derivatives. With `aimed=True` rays go through points of the stop instead of the entrance pupil, as in
-    `Prescription.rays`, which wide fields need; each evaluation then takes several times as long. The search follows rays from
-    surface to surface, also where surfaces cross: a `UserWarning` states that the result cannot be built. Bounds are goals, too: a
-    `UserWarning` names those that the result violates by more than 1 %. They need a larger weight.
+    Parameters have the names of `tolerance`, except those that move surfaces off the axis; `goal` creates goals. The algorithm is
+    that of Levenberg and Marquardt in the form of J. J. Moré (1978), as in MINPACK. It finds a local minimum near the start, not the
+    global one. The search ends after at most `patience * (number of parameters + 1)` evaluations of the goals, not counting those for
+    derivatives.
+
+    Spots and wavefronts are means over the pupil from 2 rings (rings + 2) rays (`pupil_quadrature`), none of which goes through the
+    rim. With `aimed=True` rays go through points of the stop instead of the entrance pupil, as in `Prescription.rays`; wide fields need
+    this, and each evaluation then takes several times as long.
+
+    The search follows rays from surface to surface, also where surfaces cross: a `UserWarning` states that the result cannot be
+    built. Bounds are goals, too: a `UserWarning` names the bounds that the result violates by more than 1 %. Increase their weight.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]

@@ -734,10 +734,12 @@ class Prescription:
         """The lenses, mirrors, stop and image as elements of a system, to which others can be added.
 
         A stop in a medium is a plane sheet, `stop`, out to twice the largest clear semi-diameter, that of the image included. In a
-        narrower mount, replace it by an `aperture_stop`: the sheet would absorb the light beside the mount as well. A stop on a lens is a ring on that face, from its clear semi-diameter
-        (`semi_diameters`: the stated one, or the rays of all fields plus 2 %) to the edge of the lens; a plane `mount` around the
-        lens blocks light beside it, unless it could lie in the way of other light (mirrors, coordinate breaks, nested lenses).
-        Neither exists where the rim of a mirror, or of the widest lens, is the stop.
+        narrower mount, replace it by an `aperture_stop`: the sheet would absorb the light beside the mount as well.
+
+        A stop on a lens is a ring on that face, from its clear semi-diameter (`semi_diameters`: the stated one, or the extent of the
+        rays of all fields plus 2 %) to the edge of the lens. A plane `mount` around the lens blocks light beside it, except in
+        systems where it could block other light (mirrors, coordinate breaks, nested lenses). If the rim of a mirror, or of the widest
+        lens, is the stop, there is neither a ring nor a mount.
 
         >>> import rayweave.optics as ro
         >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]

@@ -168,17 +168,33 @@ class System:
     ) -> Trace:
         """Traces the light of sources through the system.
 
-        `branches` selects the rays traced at faces that reflect and transmit: "ideal" refracts without Fresnel loss, or reflects
-        totally, while mirrors, metals and beam splitters keep their reflectance; "both" traces both parts with their power by the Fresnel equations; "random" traces
-        one of them with all the power. `polarised` selects whether polarisation is computed; by default it is if the
-        system has a `polariser` or a `wave_plate`, or a source emits `Source.polarised` light. Otherwise light is
-        treated as unpolarised at each face. (For a model file, call `OpticalModel.trace`, which uses the file's
-        setting `polarised`; this method cannot see it.) Rays end after `generation_limit` events or below the power `threshold`. Results do not depend
-        on `threads`. `progress` is called with the number of finished rays and the total; True draws a bar on standard
-        error. `range` traces only the rays with these numbers, from the first up to the second exclusively: the rows are those of
-        these rays in the trace of all, with parents counted from the first row. Its ends are multiples of 2048 or the number of
-        rays, because the rows of so many rays are sorted together. `phases` adds the columns `phase_s` and `phase_p`, for which each event is evaluated again: see
-        `Trace.phases`.
+        For a model file, call `OpticalModel.trace`, which uses the settings of the file; this method does not read them.
+
+        Parameters
+        ----------
+        branches
+            The rays traced at faces that reflect and transmit: "ideal" refracts without Fresnel loss, or reflects totally, while
+            mirrors, metals and beam splitters keep their reflectance; "both" traces both parts with their power by the Fresnel
+            equations; "random" traces one of them with all the power.
+        polarised
+            Whether polarisation is computed; by default it is if the system has a `polariser` or a `wave_plate`, or a source emits
+            `Source.polarised` light. Without it light is unpolarised at each face.
+        generation_limit, threshold
+            Rays end after this number of events, or below this power.
+        keep_escaped
+            Whether light that leaves the system has a row, with an end of NaN.
+        seed
+            The seed of random choices.
+        threads
+            The number of threads; results do not depend on it.
+        phases
+            Adds the columns `phase_s` and `phase_p`, for which each event is evaluated again: see `Trace.phases`.
+        range
+            Traces only the rays with these numbers, from the first up to the second exclusively. The rows are those of these rays in
+            the trace of all, with parents counted from the first row. Both numbers are multiples of 2048 or the number of rays,
+            because the rows of 2048 rays are sorted together.
+        progress
+            Called with the number of finished rays and the total; True draws a bar on standard error.
         """
         given = _all_sources(sources)
         is_followed = self._follows(polarised, given)
@@ -510,9 +526,9 @@ class Trace(Mapping[str, NDArray[Any]]):
         matplotlib.
 
         Rays are coloured by wavelength, by source, or all in one colour. If there are more than `rays` rays, every n-th is
-        drawn. Lines are thinner and fainter the less power they have: light with less than a ten-thousandth of its initial power is
-        left out. The picture shows the elements, and light up to 0.6 times their size beside them. Light that escapes is drawn with
-        the length `escape`, by default a fifth of the picture.
+        drawn. Light with less power has thinner and fainter lines; light with less than a ten-thousandth of its initial power is
+        omitted. The picture shows the elements and a margin of 0.6 times their size. Light that escapes is drawn with the length
+        `escape`, by default a fifth of the picture.
         """
         return Plot(self._show(view, color=color, ax=ax, ray_width=ray_width, rays=rays, escape=escape))
 

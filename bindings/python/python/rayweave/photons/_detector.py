@@ -298,8 +298,8 @@ class Detector:
         return Findings(self.compiled.findings())
 
     def check_source(self, source: Source, *, seed: int = 0, event: int = 0) -> str | None:
-        """A sentence about the photons of a source that start outside the world or in a material without RINDEX, where they end at
-        once; None without such photons. The first 1,000 photons are looked at, and it is an error if all of them do."""
+        """A note about photons of a source that start outside the world or in a material without RINDEX, where they end at once; None
+        if there are none. The first 1,000 photons are examined; if all of them start there, the call raises an error."""
         count = 1000 if source.count is None else min(source.count, 1000)
         settings = _settings(seed, event, "both", 1, np.inf, "delta", None, None, "cpu")
         return self.compiled.check_start(source.compiled, settings | {"range": (0, count)})

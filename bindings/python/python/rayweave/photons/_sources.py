@@ -25,7 +25,7 @@ Time = float | tuple[float, float]
 
 
 class Source:
-    """Photons by number: the photon of a number is a function of the seed, the event and the number alone. `point`, `disc`, `line`,
+    """A source of numbered photons. Each photon depends only on the seed, the event and its number. `point`, `disc`, `line`,
     `surface`, `volume`, `gensteps`, `photons`, `from_opticks` and `from_optics` make sources.
 
     >>> import rayweave.photons as rp
@@ -237,8 +237,8 @@ def volume(
     """A volume of a detector: photons start with equal probability per volume in all copies of the volume `name`, without its
     daughters. The other arguments are those of `point`.
 
-    `name` may be a path, as `hits.sensor_paths` has it: "Crystal[3]" is the crystal with the copy number 3, "Module[1]/Crystal" all
-    crystals of one module. All copies whose own path ends with it are selected.
+    `name` may also be the end of a path as in `hits.sensor_paths`, and selects all copies whose paths end with it: "Crystal[3]" is the
+    crystal with the copy number 3, in every module if there are several; "Module[1]/Crystal" are all crystals of one module.
 
     Examples
     --------
@@ -326,8 +326,8 @@ def from_opticks(photons: ArrayLike) -> Source:
 def from_optics(light: optics.Source, n: int) -> Source:
     """`n` unpolarised photons of a source of `rayweave.optics`, whose lengths are taken as mm, at time 0.
 
-    Each ray gets its share of the photons, to within one: a ray of power P at a wavelength l has photons in proportion to P l. The
-    photons are in the order of the rays; all photons of a ray start alike.
+    The number of photons of a ray is proportional to its power times its wavelength, to within one. The photons are in the order of
+    the rays; all photons of a ray have the same start, direction and wavelength.
 
     Examples
     --------

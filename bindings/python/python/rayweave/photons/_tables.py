@@ -13,8 +13,8 @@ from rayweave.optics._given import text
 
 
 class SurfaceTables:
-    """The tables of measured surfaces, which no GDML file holds. It never changes: `lut`, `davis` and `dichroic` return another one
-    with one more table, for the surface of a name or for all surfaces with a finish.
+    """The tables of measured surfaces, which a GDML file cannot contain. Immutable: `lut`, `davis` and `dichroic` return a copy with one
+    more table, for the surface of a name or for all surfaces with a finish.
 
     Parameters
     ----------
