@@ -297,16 +297,24 @@ def goal(
 ) -> Goal:
     """A goal of an optimisation; the default target is 0.
 
-    Operands of one number: "focal length", "back focal distance", "defocus" (from the image to the paraxial image),
-    "magnification", "total track" (from the first vertex to the image); the Seidel sums "spherical", "coma", "astigmatism", "petzval", "distortion", "axial colour",
-    "lateral colour", which are third-order aberrations of the last field; a parameter by its name, such as "thickness
-    1"; "edge", the distance from a `surface` to the next one at a `height` from the axis, by default at the larger one of their
-    clear semi-diameters, which follow the rays while the lens changes. "distortion" with a `field`
-    is another operand: the relative distortion of its real chief ray at the primary wavelength, as in
-    `Prescription.distortion`, and 0 on the axis. Operands of all rays of a `field`: "spot", whose sum of squares is
-    the square of the RMS radius, and "wavefront" at a wavelength, whose sum of squares is the square of the RMS in
-    waves. A spot contains all wavelengths with their weights about their common centroid, as `Prescription.spots` and
-    `tolerance`; with `wavelength_nm` it has one wavelength and its own centroid, and lateral colour does not count.
+    Operands of one number:
+
+    - "focal length", "back focal distance", "magnification";
+    - "defocus", the distance from the image to the paraxial image; "total track", the distance from the first vertex to the image;
+    - the Seidel sums "spherical", "coma", "astigmatism", "petzval", "distortion", "axial colour", "lateral colour": third-order
+      aberrations of the last field;
+    - "distortion" with a `field`, which is another operand: the relative distortion of its real chief ray at the primary wavelength,
+      as in `Prescription.distortion`, 0 on the axis;
+    - "edge", the distance from a `surface` to the next one at a `height` from the axis, by default at the larger one of their clear
+      semi-diameters, which follow the rays while the lens changes;
+    - a parameter by its name, such as "thickness 1".
+
+    Operands of all rays of a `field`:
+
+    - "spot", whose sum of squares is the square of the RMS radius. A spot contains all wavelengths with their weights about their
+      common centroid, as in `Prescription.spots` and `tolerance`; with `wavelength_nm` it has one wavelength and its own centroid,
+      and lateral colour does not count;
+    - "wavefront" at a wavelength, whose sum of squares is the square of the RMS in waves.
 
     `weight` multiplies the deviation of this goal beside the others. The weights of wavelengths are those of the prescription,
     `Prescription(.., wavelengths_nm=.., weights=..)`, in goals as in `Prescription.spots`; fields have equal weights in `spots`, and in
