@@ -1,4 +1,4 @@
-//! How the command and the Python package are built for their tests.
+//! The two ways to build the command and the Python package for their tests.
 
 /// A profile of Cargo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

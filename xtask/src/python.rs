@@ -29,7 +29,7 @@ pub struct Python {
     target: PathBuf,
     /// The name of the folder of the environment.
     name: &'static str,
-    /// How the package is built.
+    /// Cargo's profile for the package.
     profile: Profile,
     environment: Option<Result<PathBuf, String>>,
     package: Option<Result<(), String>>,

@@ -9,7 +9,7 @@ use crate::slowest::Slowest;
 pub struct Workshop<'a> {
     /// The checkout under test.
     pub repository: &'a Repository,
-    /// How the command is built.
+    /// Cargo's profile for the command.
     pub profile: Profile,
     /// The Python of this run.
     pub python: Python,
