@@ -13,7 +13,7 @@ const HEAD: &str = "\
 # The command
 
 Generated from `rayweave COMMAND --help`. [The tutorial](../tutorials/command.md) is a first tour,
-[analysing models](../guides/questions.md) explains the questions, and [the model
+[analysing models](../guides/analysing-models.md) explains the questions, and [the model
 file](model-file.md) the input.
 
 ";
