@@ -63,7 +63,7 @@ fn rays_cross_as_in_geant4() {
 #[test]
 fn volumes_are_those_of_geant4() {
     let solids = solids();
-    // for these, Geant4 estimates volumes from random points or contradicts its own rays (see docs/reference/formats.md)
+    // for these, Geant4 estimates volumes from random points or contradicts its own rays (see docs/concepts/validation.md)
     let estimated = ["v_union1", "v_sub1", "v_int1", "v_mu1"];
     for line in RAYS.lines().filter_map(|line| line.strip_prefix("# v_")) {
         let (name, theirs) = line.split_once(" volume ").unwrap();
