@@ -13,8 +13,8 @@ const HEAD: &str = "\
 # The command
 
 Generated from `rayweave COMMAND --help`. [The tutorial](../tutorials/command.md) is a first tour,
-[analysing models](../guides/analysing-models.md) explains the questions, and [the model
-file](model-file.md) the input.
+[analysing models](../guides/analysing-models.md) explains the questions, [the model
+file](model-file.md) the input, and [exit codes and messages](exit-codes.md) the end of a run.
 
 ";
 
