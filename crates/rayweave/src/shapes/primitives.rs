@@ -167,7 +167,7 @@ pub fn mesh(vertices: &[[f64; 3]], faces: &[[u32; 3]]) -> Result<Solid, Error> {
 /// A body bounded by an aspheric surface of revolution around z: above a conic with polynomial terms, within its aperture.
 ///
 /// - `aperture`: radius of the aperture; length, finite and greater than 0.
-/// - `curvature`: one over the radius of curvature at the vertex; positive if the surface bends towards +z; finite.
+/// - `curvature`: one over the radius of curvature at the vertex; positive if the surface bends towards +z; 1/length, finite.
 /// - `conic`: conic constant: 0 for a sphere, -1 for a paraboloid; finite.
 /// - `even`: coefficients of r^2, r^4, r^6, ...; finite.
 /// - `odd`: coefficients of r, r^3, r^5, ...; finite.
@@ -181,8 +181,8 @@ pub fn asphere(aperture: f64, curvature: f64, conic: f64, even: &[f64], odd: &[f
 /// A body bounded by a biconic surface: above conics of different curvature along x and y, within its aperture.
 ///
 /// - `aperture`: radius of the aperture; length, finite and greater than 0.
-/// - `curvature_x`: curvature at the vertex along x; positive if the surface bends towards +z; finite.
-/// - `curvature_y`: curvature at the vertex along y; finite.
+/// - `curvature_x`: curvature at the vertex along x; positive if the surface bends towards +z; 1/length, finite.
+/// - `curvature_y`: curvature at the vertex along y; 1/length, finite.
 /// - `conic_x`: conic constant along x; finite.
 /// - `conic_y`: conic constant along y; finite.
 /// - `height`: height of the flat end above the vertex; length, greater than 0, or inf.
@@ -195,7 +195,7 @@ pub fn biconic(aperture: f64, curvature_x: f64, curvature_y: f64, conic_x: f64, 
 /// A body bounded by a freeform surface: above a conic with terms in x and y or Zernike polynomials, within its aperture.
 ///
 /// - `aperture`: radius of the aperture; length, finite and greater than 0.
-/// - `curvature`: one over the radius of curvature of the base; positive if it bends towards +z; finite.
+/// - `curvature`: one over the radius of curvature of the base; positive if it bends towards +z; 1/length, finite.
 /// - `conic`: conic constant of the base; finite.
 /// - `xy`: coefficients of x, y, x^2, x y, y^2, x^3, x^2 y, ..., lengths; finite.
 /// - `zernike`: coefficients of Noll's Z1, Z2, ..., lengths; finite.

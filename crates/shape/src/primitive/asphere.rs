@@ -3,7 +3,7 @@
 //! | parameter | is | unit | range | default | meaning |
 //! | --- | --- | --- | --- | --- | --- |
 //! | `aperture` | a number | length | finite and greater than 0 |  | radius of the aperture |
-//! | `curvature` | a number | none | finite |  | one over the radius of curvature at the vertex; positive if the surface bends towards +z |
+//! | `curvature` | a number | 1/length | finite |  | one over the radius of curvature at the vertex; positive if the surface bends towards +z |
 //! | `conic` | a number | none | finite | 0 | conic constant: 0 for a sphere, -1 for a paraboloid |
 //! | `even` | a list of numbers | none | finite | [] | coefficients of r^2, r^4, r^6, ... |
 //! | `odd` | a list of numbers | none | finite | [] | coefficients of r, r^3, r^5, ... |
@@ -113,7 +113,7 @@ impl Shape for Asphere {
         Parameter::number("aperture", ParameterUnit::Length, Range::Positive, "radius of the aperture"),
         Parameter::number(
             "curvature",
-            ParameterUnit::None,
+            ParameterUnit::Curvature,
             Range::Finite,
             "one over the radius of curvature at the vertex; positive if the surface bends towards +z",
         ),

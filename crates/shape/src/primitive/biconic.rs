@@ -3,8 +3,8 @@
 //! | parameter | is | unit | range | default | meaning |
 //! | --- | --- | --- | --- | --- | --- |
 //! | `aperture` | a number | length | finite and greater than 0 |  | radius of the aperture |
-//! | `curvature_x` | a number | none | finite |  | curvature at the vertex along x; positive if the surface bends towards +z |
-//! | `curvature_y` | a number | none | finite |  | curvature at the vertex along y |
+//! | `curvature_x` | a number | 1/length | finite |  | curvature at the vertex along x; positive if the surface bends towards +z |
+//! | `curvature_y` | a number | 1/length | finite |  | curvature at the vertex along y |
 //! | `conic_x` | a number | none | finite | 0 | conic constant along x |
 //! | `conic_y` | a number | none | finite | 0 | conic constant along y |
 //! | `height` | a number | length | greater than 0, or inf | inf | height of the flat end above the vertex |
@@ -84,7 +84,11 @@ impl Biconic {
 }
 
 const fn curvature(name: &'static str, summary: &'static str) -> Parameter {
-    Parameter::number(name, ParameterUnit::None, Range::Finite, summary)
+    Parameter::number(name, ParameterUnit::Curvature, Range::Finite, summary)
+}
+
+const fn conic(name: &'static str, summary: &'static str) -> Parameter {
+    Parameter::number(name, ParameterUnit::None, Range::Finite, summary).or(0.0)
 }
 
 impl Shape for Biconic {
@@ -94,8 +98,8 @@ impl Shape for Biconic {
         Parameter::number("aperture", ParameterUnit::Length, Range::Positive, "radius of the aperture"),
         curvature("curvature_x", "curvature at the vertex along x; positive if the surface bends towards +z"),
         curvature("curvature_y", "curvature at the vertex along y"),
-        curvature("conic_x", "conic constant along x").or(0.0),
-        curvature("conic_y", "conic constant along y").or(0.0),
+        conic("conic_x", "conic constant along x"),
+        conic("conic_y", "conic constant along y"),
         Parameter::number(
             "height",
             ParameterUnit::Length,

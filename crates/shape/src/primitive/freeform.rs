@@ -3,7 +3,7 @@
 //! | parameter | is | unit | range | default | meaning |
 //! | --- | --- | --- | --- | --- | --- |
 //! | `aperture` | a number | length | finite and greater than 0 |  | radius of the aperture |
-//! | `curvature` | a number | none | finite | 0 | one over the radius of curvature of the base; positive if it bends towards +z |
+//! | `curvature` | a number | 1/length | finite | 0 | one over the radius of curvature of the base; positive if it bends towards +z |
 //! | `conic` | a number | none | finite | 0 | conic constant of the base |
 //! | `xy` | a list of numbers | none | finite | [] | coefficients of x, y, x^2, x y, y^2, x^3, x^2 y, ..., lengths |
 //! | `zernike` | a list of numbers | none | finite | [] | coefficients of Noll's Z1, Z2, ..., lengths |
@@ -111,7 +111,7 @@ impl Shape for Freeform {
         Parameter::number("aperture", ParameterUnit::Length, Range::Positive, "radius of the aperture"),
         Parameter::number(
             "curvature",
-            ParameterUnit::None,
+            ParameterUnit::Curvature,
             Range::Finite,
             "one over the radius of curvature of the base; positive if it bends towards +z",
         )

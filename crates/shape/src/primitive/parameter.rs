@@ -85,6 +85,8 @@ pub enum ParameterUnit {
     Length,
     /// Degrees.
     Angle,
+    /// One over the length unit of the document.
+    Curvature,
     /// A count.
     Count,
     /// No unit, or one that differs from entry to entry.
@@ -96,6 +98,7 @@ impl fmt::Display for ParameterUnit {
         f.write_str(match self {
             ParameterUnit::Length => "length",
             ParameterUnit::Angle => "degrees",
+            ParameterUnit::Curvature => "1/length",
             ParameterUnit::Count => "count",
             ParameterUnit::None => "none",
         })
@@ -263,9 +266,11 @@ impl Parameter {
         }
         match self.unit {
             ParameterUnit::Length if value.is_finite() => check_length(shape, self.name, index, value),
-            ParameterUnit::Length | ParameterUnit::Angle | ParameterUnit::Count | ParameterUnit::None => {
-                Ok(())
-            }
+            ParameterUnit::Length
+            | ParameterUnit::Angle
+            | ParameterUnit::Curvature
+            | ParameterUnit::Count
+            | ParameterUnit::None => Ok(()),
         }
     }
 }
