@@ -38,7 +38,7 @@ pub(super) const COUNTS: usize = FIRST_EVENT + EVENTS.len();
 const MATERIAL_WORDS: usize = 12;
 
 /// Kinds of boundaries; the numbers are those of the kernel.
-const UNKNOWN: u32 = 0;
+pub(super) const UNKNOWN: u32 = 0;
 const SAME: u32 = 1;
 const INTERFACE: u32 = 2;
 const MIRROR: u32 = 3;
@@ -234,7 +234,7 @@ fn pairs(detector: &Detector) -> Vec<u32> {
 }
 
 /// The kind of a boundary, with or without a surface, between two materials.
-fn kind(surface: Option<&OpticalSurface>, is_same: bool) -> u32 {
+pub(super) fn kind(surface: Option<&OpticalSurface>, is_same: bool) -> u32 {
     use SurfaceFinish::{Ground, GroundFrontPainted, Polished, PolishedFrontPainted};
     use SurfaceModel::{Glisur, Unified};
     let interface = if is_same { SAME } else { INTERFACE };

@@ -1,6 +1,6 @@
 //! Runs on a device against those of the CPU, bit for bit. Skipped with a message where there is no adapter.
 
-use super::tables::HANDED_BACK;
+use super::tables::{HANDED_BACK, UNKNOWN, kind};
 use super::*;
 use crate::history::{Histories, HistoryOptions, Process};
 use crate::source::Torch;
@@ -19,6 +19,7 @@ const MATRICES: &str = r#"
 <matrix name="NS" coldim="1" values="2.5"/>
 <matrix name="R" coldim="2" values="1*eV 0.9 10*eV 0.7"/>
 <matrix name="FORWARD" coldim="1" values="0.8"/><matrix name="ALL" coldim="1" values="0.9"/>
+<matrix name="NM" coldim="1" values="90*nm"/>
 <matrix name="HALF" coldim="2" values="1*eV 0.5 10*eV 0.5"/>
 <matrix name="LITTLE" coldim="2" values="1*eV 0.1 10*eV 0.2"/>"#;
 
@@ -191,13 +192,19 @@ fn rough() -> Detector {
     )
 }
 
-/// Parts that the device does not settle: a surface of a complex index, a cone, a shifter that emits several photons, and copies that
-/// touch.
+/// Parts that the device does not settle: a metal with a complex index, a thin film, an interface with a roughness, paint behind a
+/// layer, a cone, a shifter that emits several photons, and copies that touch.
 fn others() -> Detector {
     let solids = r#"<orb name="Ball" r="150" lunit="mm"/>
 <cone name="Horn" rmax1="40" rmax2="100" z="200" deltaphi="360" aunit="deg" lunit="mm"/>
 <opticalsurface name="Rough" model="unified" finish="ground" type="dielectric_metal" value="0.2">
-<property name="REALRINDEX" ref="HALF"/><property name="IMAGINARYRINDEX" ref="GLASS"/><property name="EFFICIENCY" ref="R"/></opticalsurface>"#;
+<property name="REALRINDEX" ref="HALF"/><property name="IMAGINARYRINDEX" ref="GLASS"/><property name="EFFICIENCY" ref="R"/></opticalsurface>
+<opticalsurface name="Film" model="glisur" finish="polished" type="coated" value="1">
+<property name="COATEDRINDEX" ref="WATER"/><property name="COATEDTHICKNESS" ref="NM"/></opticalsurface>
+<opticalsurface name="Frost" model="glisur" finish="polished" type="dielectric_dielectric" value="1">
+<property name="SURFACEROUGHNESS" ref="NM"/></opticalsurface>
+<opticalsurface name="Wrapped" model="unified" finish="polishedbackpainted" type="dielectric_dielectric" value="0.1">
+<property name="RINDEX" ref="AIR"/><property name="REFLECTIVITY" ref="R"/></opticalsurface>"#;
     let copy = |number: u32, x: f64| {
         format!(
             r#"<physvol name="e{number}" copynumber="{number}"><volumeref ref="Eye"/><position name="q{number}" x="{x}" y="425" z="425" unit="mm"/></physvol>"#
@@ -207,6 +214,9 @@ fn others() -> Detector {
         placed("Rough", [150.0, -200.0, 100.0], ""),
         placed("Dye", [-200.0, -150.0, 100.0], ""),
         placed("Horn", [-200.0, 200.0, -100.0], ""),
+        placed("Film", [250.0, 250.0, -250.0], ""),
+        placed("Frost", [-100.0, -300.0, -300.0], ""),
+        placed("Wrapped", [300.0, -100.0, -350.0], ""),
         copy(1, 0.0),
         copy(2, 150.0),
     ]
@@ -227,13 +237,35 @@ fn others() -> Detector {
             volume("Dye", "Dye", "EyeBox", ""),
             volume("Horn", "Glass", "Horn", ""),
             volume("Rough", "Glass", "Ball", ""),
+            volume("Film", "Glass", "EyeBox", ""),
+            volume("Frost", "Glass", "EyeBox", ""),
+            volume("Wrapped", "Glass", "EyeBox", ""),
             volume("Tank", "Water", "WaterBox", &inside),
             volume("World", "Glass", "WorldBox", &placed("Tank", [10.0, 0.0, 0.0], "")),
-            r#"<skinsurface name="a" surfaceproperty="Rough"><volumeref ref="Rough"/></skinsurface>"#
-                .to_owned(),
+            ["Rough", "Film", "Frost", "Wrapped"]
+                .map(|name| {
+                    format!(
+                        r#"<skinsurface name="{name}_skin" surfaceproperty="{name}"><volumeref ref="{name}"/></skinsurface>"#
+                    )
+                })
+                .concat(),
         ]
         .concat(),
     )
+}
+
+/// Photons at a surface that the device does not know are handed back: no kernel takes it for a simpler one.
+#[test]
+fn surfaces_that_the_device_does_not_know() {
+    let detector = others();
+    assert_eq!(detector.surfaces.len(), 4);
+    for surface in &detector.surfaces {
+        assert_eq!(kind(Some(surface), false), UNKNOWN, "{surface:?}");
+    }
+    // the device knows the surfaces of the other detectors
+    for surface in [argon(), sphere(), phototube(), rough()].iter().flat_map(|detector| &detector.surfaces) {
+        assert_ne!(kind(Some(surface), false), UNKNOWN, "{surface:?}");
+    }
 }
 
 /// The detectors, each with a place and a wavelength of its photons and the largest share that the CPU may have to finish.
