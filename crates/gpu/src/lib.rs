@@ -27,7 +27,7 @@ mod trial;
 mod twin;
 
 pub use adapter::{Adapter, AdapterKind, Gpu};
-pub use carrier::{Carried, Carrier, CarrierForm};
+pub use carrier::{Carried, Carrier, CarrierForm, CarrierSlot};
 pub use error::{GpuError, Unsupported};
 pub use evaluator::GpuDevice;
 pub use next::NextTables;

@@ -3,7 +3,11 @@
 //! The device moves photons step by step in double precision, by the operations of the CPU. A photon that needs a process, a
 //! surface or a shape that the device does not know, or whose next crossing is in doubt, is *handed back*: the CPU continues it from
 //! the state before that step. So every history is that of the CPU.
+//!
+//! Two batches of photons are in flight: while one is on the device, the CPU emits the photons of the other and completes its hits.
+//! The results are merged in the order of the photon numbers, whichever batch is complete first.
 
+mod codes;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -16,17 +20,25 @@ use crate::photon::{EventKey, Photon};
 use crate::propagate::{BATCH, Batch, PhotonPart, PhotonRun, check, simulate_parts};
 use crate::settings::{RunSettings, TimeProfile};
 use crate::source::Source;
-use rayweave_gpu::{Adapter, AdapterKind, Carried, Carrier, CarrierForm, GpuError};
+use codes::{
+    BY_EFFICIENCY, BY_VOLUME, COUNTS, DETECTED, EVENTS, EXPONENTIAL, FIRST_END, FIRST_EVENT, HANDED_BACK,
+};
+use rayweave_gpu::{Adapter, AdapterKind, Carried, Carrier, CarrierForm, CarrierSlot, GpuError};
 use rayweave_math::Vec3;
 use rayweave_model::Evaluator;
 use rayweave_model::drive::{Stopped, drive, thread_count};
+use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
-use tables::{COUNTS, EVENTS, FIRST_END, FIRST_EVENT, HANDED_BACK, Tables};
+use std::time::{Duration, Instant};
+use tables::Tables;
 
-/// The number of photons on a card at a time, and on a program that acts as one.
+/// The number of photons of a batch on a card, and on a program that acts as one.
 const ROOM: usize = 1 << 19;
 const SOFTWARE_ROOM: usize = 1 << 14;
+
+/// The number of batches in flight by default: one on the device, and one that the CPU prepares or completes.
+const IN_FLIGHT: NonZeroUsize = NonZeroUsize::new(2).unwrap();
 
 /// Steps of a photon in one pass: the drivers of cards stop kernels that run for seconds.
 const PASS: u32 = 64;
@@ -38,23 +50,18 @@ const COMPARED: u64 = 128;
 const STATE: [usize; 2] = [11, 5];
 const ROW: [usize; 2] = [11, 6];
 
-/// The state of a detected photon.
-const DETECTED: u32 = 5;
-
-/// Bits of the rules of a run.
-const BY_EFFICIENCY: u32 = 1;
-const BY_VOLUME: u32 = 2;
-const EXPONENTIAL: u32 = 4;
-/// All photons come back, for tests.
-#[cfg(test)]
-const ALL: u32 = 8;
-
 /// A detector on a graphics card.
 #[derive(Debug)]
 pub struct PhotonDevice {
     tables: Tables,
-    carrier: Mutex<Carrier>,
+    carrier: Carrier,
+    /// The buffers of batches in flight, made when they are first used. The device is busy with one run at a time.
+    slots: Mutex<Vec<CarrierSlot>>,
+    in_flight: NonZeroUsize,
     adapter: String,
+    /// Called with the number of the first photon of each batch that is complete, in tests of the order.
+    #[cfg(test)]
+    completed: fn(u64),
 }
 
 /// The share of a device in a run.
@@ -66,6 +73,15 @@ pub struct PhotonDeviceReport {
     pub handed_back: u64,
     /// The steps on the device.
     pub steps: u64,
+    /// Bytes moved to the device and back.
+    pub bytes: u64,
+    /// The time to emit photons, summed over the batches.
+    pub emit: Duration,
+    /// The time on the device, transfers included, summed over the batches; with two batches in flight it includes waiting for the
+    /// other one.
+    pub device: Duration,
+    /// The time to complete hits and photons on the CPU, summed over the batches.
+    pub complete: Duration,
     /// The reason why the CPU simulated the rest of the run.
     pub problem: Option<GpuError>,
 }
@@ -76,6 +92,10 @@ impl PhotonDeviceReport {
         self.photons += other.photons;
         self.handed_back += other.handed_back;
         self.steps += other.steps;
+        self.bytes += other.bytes;
+        self.emit += other.emit;
+        self.device += other.device;
+        self.complete += other.complete;
         self.problem = self.problem.take().or(other.problem);
     }
 }
@@ -87,15 +107,30 @@ impl PhotonDevice {
     ///
     /// [`GpuError`] for a detector that is too large or unbounded, and for a card that does not compute as the CPU does.
     pub fn new(adapter: &Adapter, detector: &Detector) -> Result<PhotonDevice, GpuError> {
-        PhotonDevice::with_tables(adapter, Tables::new(detector)?)
+        let room = if adapter.kind() == AdapterKind::Software { SOFTWARE_ROOM } else { ROOM };
+        PhotonDevice::with_tables(adapter, Tables::new(detector)?, room)
     }
 
-    fn with_tables(adapter: &Adapter, tables: Tables) -> Result<PhotonDevice, GpuError> {
+    fn with_tables(adapter: &Adapter, tables: Tables, room: usize) -> Result<PhotonDevice, GpuError> {
         let form = CarrierForm { state: STATE, row: ROW, counts: COUNTS, params: 8 };
-        let room = if adapter.kind() == AdapterKind::Software { SOFTWARE_ROOM } else { ROOM };
         let columns = (&tables.next.exact[..], &tables.next.words[..]);
         let carrier = Carrier::new(adapter, tables.source.clone(), columns, form, room)?;
-        Ok(PhotonDevice { carrier: Mutex::new(carrier), adapter: adapter.name().to_owned(), tables })
+        let slots = Mutex::new(vec![carrier.slot()?]);
+        Ok(PhotonDevice {
+            tables,
+            carrier,
+            slots,
+            in_flight: IN_FLIGHT,
+            adapter: adapter.name().to_owned(),
+            #[cfg(test)]
+            completed: |_| (),
+        })
+    }
+
+    /// Sets the number of batches in flight, by default two. Each takes memory of the card for its photons; results do not depend on it.
+    #[must_use]
+    pub fn with_batches_in_flight(self, in_flight: NonZeroUsize) -> PhotonDevice {
+        PhotonDevice { in_flight, ..self }
     }
 
     /// The name of the card.
@@ -119,37 +154,61 @@ impl PhotonDevice {
         mut merge: impl FnMut(PhotonPart) -> Result<(), X>,
     ) -> Result<(), X> {
         check(source, settings)?;
-        // the device is busy with one run at a time
-        let carrier = self.carrier.lock().unwrap_or_else(PoisonError::into_inner);
         let Range { start, end } = settings.photons;
-        let room = carrier.room() as u64;
-        let mut at = start;
-        loop {
-            let numbers = at..(at + room).min(end.max(start));
-            let job = Job { tables: &self.tables, detector, evaluator, source, settings };
-            let compared = |(run, own)| match job.agrees(&run, numbers.clone())? {
-                true => Ok((run, own)),
-                false => Err(Failed::Device(GpuError::Contradicted { adapter: self.adapter.clone() })),
+        let room = self.carrier.room() as u64;
+        // an empty range gives one empty part: its columns are those of other parts
+        let count = end.saturating_sub(start).div_ceil(room).max(1);
+        let batches = (0..count).map(|k| start + k * room..(start + (k + 1) * room).min(end.max(start)));
+        let mut slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
+        let in_flight = if count > 1 { self.in_flight } else { NonZeroUsize::MIN };
+        let mut next = start;
+        let done = self.fill(&mut slots, in_flight).map_err(|error| Stopped::Failed(Halt::Device(error)));
+        let done = done.and_then(|()| {
+            let job = Job { device: self, detector, evaluator, source, settings };
+            let free = Mutex::new(slots.iter().collect::<Vec<_>>());
+            let take = || free.lock().unwrap_or_else(PoisonError::into_inner).pop();
+            let work = |slot: &mut Option<&CarrierSlot>, numbers: Range<u64>| {
+                let Some(slot) = *slot else { unreachable!("there is a slot for each batch in flight") };
+                (numbers.clone(), job.checked(slot, numbers))
             };
-            let part = match job.run(&carrier, numbers.clone()).and_then(compared) {
-                Ok((run, own)) => {
-                    report.add(own);
-                    PhotonPart { photons: numbers.clone(), run, histories: None }
-                }
-                Err(Failed::Photon(error)) => return Err(error.into()),
-                Err(Failed::Device(error)) => {
-                    report.problem = Some(error);
-                    let rest = RunSettings { photons: at..end, ..settings.clone() };
-                    return simulate_parts(detector, evaluator, source, &rest, None, merge);
-                }
-            };
-            merge(part)?;
-            at = numbers.end;
-            if at >= end {
-                return Ok(());
+            drive(in_flight, &settings.cancel, batches, take, work, |(photons, result)| {
+                let (run, own) = result.map_err(|failed| match failed {
+                    Failed::Photon(error) => Halt::Run(error.into()),
+                    Failed::Device(error) => Halt::Device(error),
+                })?;
+                report.add(own);
+                next = photons.end;
+                merge(PhotonPart { photons, run, histories: None }).map_err(Halt::Run)
+            })
+        });
+        match done {
+            Ok(()) => Ok(()),
+            Err(Stopped::Cancelled) => Err(PhotonError::Cancelled.into()),
+            Err(Stopped::Failed(Halt::Run(error))) => Err(error),
+            Err(Stopped::Failed(Halt::Device(error))) => {
+                report.problem = Some(error);
+                drop(slots);
+                let rest = RunSettings { photons: next..end, ..settings.clone() };
+                simulate_parts(detector, evaluator, source, &rest, None, merge)
             }
         }
     }
+
+    /// Makes buffers until there are enough for a number of batches.
+    fn fill(&self, slots: &mut Vec<CarrierSlot>, count: NonZeroUsize) -> Result<(), GpuError> {
+        while slots.len() < count.get() {
+            slots.push(self.carrier.slot()?);
+        }
+        Ok(())
+    }
+}
+
+/// The reason why a run ends early.
+enum Halt<X> {
+    /// An error of the run, which the caller gets.
+    Run(X),
+    /// A problem of the device: the CPU continues.
+    Device(GpuError),
 }
 
 /// The reason why a batch has no result.
@@ -169,7 +228,7 @@ impl From<Stopped<PhotonError>> for Failed {
 
 /// A run on a device.
 struct Job<'r, E> {
-    tables: &'r Tables,
+    device: &'r PhotonDevice,
     detector: &'r Detector,
     evaluator: &'r E,
     source: &'r Source,
@@ -177,22 +236,49 @@ struct Job<'r, E> {
 }
 
 impl<E: Evaluator> Job<'_, E> {
+    /// Simulates a batch of photons and compares its first hits with those of the CPU.
+    fn checked(
+        &self,
+        slot: &CarrierSlot,
+        numbers: Range<u64>,
+    ) -> Result<(PhotonRun, PhotonDeviceReport), Failed> {
+        let found = self.run(slot, numbers.clone())?;
+        if !self.agrees(&found.0, numbers.clone())? {
+            return Err(Failed::Device(GpuError::Contradicted { adapter: self.device.adapter.clone() }));
+        }
+        #[cfg(test)]
+        (self.device.completed)(numbers.start);
+        Ok(found)
+    }
+
     /// Simulates a batch of photons.
-    fn run(&self, carrier: &Carrier, numbers: Range<u64>) -> Result<(PhotonRun, PhotonDeviceReport), Failed> {
+    fn run(
+        &self,
+        slot: &CarrierSlot,
+        numbers: Range<u64>,
+    ) -> Result<(PhotonRun, PhotonDeviceReport), Failed> {
         let cancel = &self.settings.cancel;
         let count = numbers.end - numbers.start;
-        self.emit(carrier, numbers.clone())?;
-        let carried =
-            carrier.run(count as usize, &self.params(), || cancel.is_cancelled()).map_err(Failed::Device)?;
+        let clock = Instant::now();
+        self.emit(slot, numbers.clone())?;
+        let emitted = clock.elapsed();
+        let carrier = &self.device.carrier;
+        let carried = carrier.run(slot, count as usize, &self.params(), || cancel.is_cancelled());
+        let carried = carried.map_err(Failed::Device)?;
         if cancel.is_cancelled() {
             return Err(Failed::Photon(PhotonError::Cancelled));
         }
+        let back = clock.elapsed();
         let mut run = self.complete(&carried, numbers.start)?;
         let counted = |place: usize| carried.counts[place - 2];
         let report = PhotonDeviceReport {
             photons: count,
             handed_back: counted(FIRST_END + HANDED_BACK as usize - 1),
             steps: counted(2),
+            bytes: carried.bytes,
+            emit: emitted,
+            device: back - emitted,
+            complete: clock.elapsed() - back,
             problem: None,
         };
         run.photons += count;
@@ -200,7 +286,7 @@ impl<E: Evaluator> Job<'_, E> {
         for (k, end) in End::ALL.into_iter().enumerate() {
             add(&mut run.ends, end, counted(FIRST_END + k));
         }
-        for (k, event) in EVENTS.into_iter().enumerate() {
+        for (k, (_, event)) in EVENTS.into_iter().enumerate() {
             add(&mut run.boundary_events, event, counted(FIRST_EVENT + k));
         }
         Ok((run, report))
@@ -215,7 +301,7 @@ impl<E: Evaluator> Job<'_, E> {
     }
 
     /// Uploads the photons of a batch, as the source emits them.
-    fn emit(&self, carrier: &Carrier, numbers: Range<u64>) -> Result<(), Failed> {
+    fn emit(&self, slot: &CarrierSlot, numbers: Range<u64>) -> Result<(), Failed> {
         let key = EventKey { seed: self.settings.seed, event: self.settings.event };
         let start = numbers.start;
         drive(
@@ -230,7 +316,7 @@ impl<E: Evaluator> Job<'_, E> {
                 ((numbers.start - start) as usize, states(numbers, key, &photons))
             },
             |(first, (numbers, words))| {
-                carrier.load(first, &numbers, &words);
+                self.device.carrier.load(slot, first, &numbers, &words);
                 Ok(())
             },
         )?;
@@ -260,9 +346,9 @@ impl<E: Evaluator> Job<'_, E> {
         let work = |batch: &mut Batch<'_, E, ()>, rows: &[u32]| {
             let all = || rows.iter().map(returned);
             let flights = all().filter(|own| own.state == HANDED_BACK);
-            let flights = flights.map(|own| (own.flight, self.tables.next.start(own.start)));
+            let flights = flights.map(|own| (own.flight, self.device.tables.next.start(own.start)));
             let detected = all().filter(|own| own.state == DETECTED);
-            let volume = |own: &Returned| Some((own.after, self.tables.next.face(own.facet)?));
+            let volume = |own: &Returned| Some((own.after, self.device.tables.next.face(own.facet)?));
             let detected = detected.filter_map(|own| Some((own.flight, volume(&own)?)));
             batch.resume(self.source, flights, detected).map_err(PhotonError::from)
         };

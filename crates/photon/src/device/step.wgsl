@@ -11,47 +11,9 @@
 // the number of rows, of photons in flight and of steps, then counts of ends and of boundary events
 @group(0) @binding(6) var<storage, read_write> counts: array<atomic<u32>, @COUNTS@>;
 
-const FLYING: u32 = 0u;
-// 1 and the place in `End::ALL`
-const ABSORBED: u32 = 1u;
-const SHIFTER_ABSORBED: u32 = 2u;
-const SURFACE_ABSORBED: u32 = 3u;
-const NO_INDEX: u32 = 4u;
-const DETECTED: u32 = 5u;
-const ESCAPED: u32 = 6u;
-const STEP_LIMIT: u32 = 7u;
-const TIME_LIMIT: u32 = 8u;
-const HANDED_BACK: u32 = 9u;
-
-// the place in `EVENTS`
-const REFRACTION: u32 = 0u;
-const REFLECTION: u32 = 1u;
-const TOTAL_REFLECTION: u32 = 2u;
-const LAMBERTIAN: u32 = 3u;
-const LOBE: u32 = 4u;
-const SPIKE: u32 = 5u;
-const BACKSCATTER: u32 = 6u;
-const ABSORPTION: u32 = 7u;
-const DETECTION: u32 = 8u;
-const TRANSMISSION: u32 = 9u;
-const SAME_MATERIAL: u32 = 10u;
-const INDEX_MISSING: u32 = 11u;
-const NO_EVENT: u32 = 12u;
-
-const FREE_PATH: u32 = 1u;
-const SCATTERING: u32 = 2u;
-const BOUNDARY: u32 = 3u;
-const REEMISSION: u32 = 4u;
-
+@CODES@
 // Rounds of rejection after which the CPU goes on.
 const ROUNDS: u32 = 64u;
-
-// bits of `params.rules`
-const BY_EFFICIENCY: u32 = 1u;
-const BY_VOLUME: u32 = 2u;
-const EXPONENTIAL: u32 = 4u;
-// all photons come back
-const ALL: u32 = 8u;
 
 struct Photon {
     position: vec3<f64>,
@@ -242,16 +204,8 @@ const PAIRS: u32 = @PAIRS@;
 const REGIONS: u32 = @REGIONS@;
 const SURFACES: u32 = @SURFACES@;
 
-// kinds of processes in a material
-const ABSORBS: u32 = 0u;
-const RAYLEIGH: u32 = 1u;
-const SHIFTS: u32 = 2u;
-const MIE: u32 = 4u;
-
 // The row of a material: four words of its properties (index, velocity and paths), 1 if it has an index, number of processes, their
 // kinds, rows of shifters.
-const MATERIAL_WORDS: u32 = 12u;
-
 fn material_row(region: u32) -> u32 {
     return MATERIALS + MATERIAL_WORDS * words[MATERIAL_OF + region];
 }
@@ -368,34 +322,33 @@ fn free_path(photon: Photon, material: u32, paths: u32, to_boundary: f64) -> Fre
     return shortest;
 }
 
-// kinds of boundaries between two regions
-const UNKNOWN: u32 = 0u;
-const SAME: u32 = 1u;
-const INTERFACE: u32 = 2u;
-const MIRROR: u32 = 3u;
-const PAINT: u32 = 4u;
-const METAL: u32 = 5u;
-const SENSITIVE: u32 = 8u;
-
-// flags of a surface
-const IS_ROUGH: u32 = 1u;
-const IS_UNIFIED: u32 = 2u;
-
-// What the process needs of a surface: the probabilities of the reflections of the unified model and the value. Without a surface
-// the interface is smooth.
+// What the process needs of a surface: the probabilities of the reflections of the unified model, the value, and whether its
+// roughness makes a reflection diffuse. Without a surface the interface is smooth.
 struct Finish {
     flags: u32,
+    is_diffuse: bool,
     value: f64,
     lobe: f64,
     spike: f64,
     backscatter: f64,
 }
 
+fn surface_row(entry: u32) -> u32 {
+    return SURFACES + SURFACE_WORDS * ((entry >> SURFACE_SHIFT) - 1u);
+}
+
+fn finish_of(row: u32, pieces: u32, energy: f64) -> Finish {
+    return Finish(
+        words[row + 5u], false, exact[words[row + 4u]], piece_at(pieces + 12u, energy),
+        piece_at(pieces + 16u, energy), piece_at(pieces + 20u, energy)
+    );
+}
+
 // The boundary process: `Boundary::apply`. `entry` is that of the pair of regions, with the surface, if there is one, above bit 3.
-// The row of a surface: its properties (four words), the place of its value, flags.
+// The row of a surface: its properties (four words), the place of its value and of 4 pi times its roughness, flags.
 fn meet(photon: Photon, normal: vec3<f64>, entry: u32, index: f64, after: u32) -> Photon {
     var changed = photon;
-    let kind = entry & 7u;
+    let kind = entry & KIND_BITS;
     if kind == SAME {
         changed.event = SAME_MATERIAL;
         return left(changed, normal);
@@ -406,10 +359,19 @@ fn meet(photon: Photon, normal: vec3<f64>, entry: u32, index: f64, after: u32) -
         return changed;
     }
     var stream = stream_of(photon, BOUNDARY);
+    if kind == COMPLEX_METAL {
+        let row = surface_row(entry);
+        let pieces = pieces_of(row, photon.energy);
+        changed = complex_metal(photon, normal, finish_of(row, pieces, photon.energy), pieces, index, &stream);
+        if changed.event == ABSORPTION || changed.event == DETECTION {
+            return changed;
+        }
+        return left(changed, normal);
+    }
     let u = uniform_(&stream);
-    var finish = Finish(0u, 0.0lf, 0.0lf, 0.0lf, 0.0lf);
-    if entry >= 16u {
-        let row = SURFACES + 6u * (entry / 16u - 1u);
+    var finish = Finish(0u, false, 0.0lf, 0.0lf, 0.0lf, 0.0lf);
+    if (entry >> SURFACE_SHIFT) != 0u {
+        let row = surface_row(entry);
         let pieces = pieces_of(row, photon.energy);
         let reflectivity = piece_at(pieces, photon.energy);
         if u > plus(reflectivity, piece_at(pieces + 4u, photon.energy)) {
@@ -421,14 +383,19 @@ fn meet(photon: Photon, normal: vec3<f64>, entry: u32, index: f64, after: u32) -
             changed.event = TRANSMISSION;
             return left(changed, normal);
         }
-        finish = Finish(
-            words[row + 5u], exact[words[row + 4u]], piece_at(pieces + 12u, photon.energy),
-            piece_at(pieces + 16u, photon.energy), piece_at(pieces + 20u, photon.energy)
-        );
+        finish = finish_of(row, pieces, photon.energy);
     }
     switch kind {
         case INTERFACE: {
             let behind = piece_at(pieces_of(behind_row, photon.energy), photon.energy);
+            if (finish.flags & HAS_ROUGHNESS) != 0u && index > behind {
+                let rest = exact[words[surface_row(entry) + 4u] + 1u];
+                let diffuse = roughness_rule(photon, normal, rest * index, finish, &stream);
+                if diffuse == UNDECIDED {
+                    return handed_back(photon);
+                }
+                finish.is_diffuse = diffuse == DIFFUSE;
+            }
             changed = interface_(photon, normal, vec2<f64>(index, behind), finish, &stream);
         }
         case MIRROR: {
@@ -724,6 +691,9 @@ fn at_facet(
 // The kind of a reflection, with diffuse reflection and backscattering: `Process::is_reflected_like_a_facet`.
 fn by_kind(photon: Photon, normal: vec3<f64>, finish: Finish, stream: ptr<function, Stream>) -> Photon {
     var changed = photon;
+    if finish.is_diffuse {
+        changed.event = LAMBERTIAN;
+    }
     if (finish.flags & (IS_ROUGH | IS_UNIFIED)) == (IS_ROUGH | IS_UNIFIED) {
         changed.event = chosen(finish, stream);
     }
@@ -740,7 +710,7 @@ fn by_kind(photon: Photon, normal: vec3<f64>, finish: Finish, stream: ptr<functi
 // The boundary at the end of a step: `Batch::boundary`.
 fn at_boundary(photon: Photon, line: Line, next: Next, index: f64) -> Photon {
     let entry = words[PAIRS + REGIONS * next.before + next.after];
-    if (entry & 7u) == UNKNOWN {
+    if (entry & KIND_BITS) == UNKNOWN {
         return handed_back(photon);
     }
     let row = FACET_ROWS + 4u * next.facet;
@@ -823,7 +793,7 @@ fn step(before: Photon) -> Photon {
     }
     photon.start = 0u;
     photon.position = at_time(line, length);
-    let process = (words[material + 6u] >> (4u * free.process)) & 15u;
+    let process = (words[material + 6u] >> (PROCESS_BITS * free.process)) & OTHER_PROCESS;
     switch process {
         case ABSORBS: {
             return ended(photon, ABSORBED);
@@ -834,7 +804,7 @@ fn step(before: Photon) -> Photon {
         case MIE: {
             photon = mie(photon, words[material + 9u]);
         }
-        case SHIFTS, 3u: {
+        case SHIFTS, SHIFTS_AGAIN: {
             photon = shifted(photon, words[material + 7u + process - SHIFTS]);
         }
         default: {
@@ -903,7 +873,7 @@ fn fly(i: u32) {
     for (var k = 0u; k < params.most && photon.state == FLYING; k++) {
         photon = step(photon);
         if photon.event != NO_EVENT && photon.state != HANDED_BACK {
-            atomicAdd(&tallies[12u + photon.event], 1u);
+            atomicAdd(&tallies[FIRST_EVENT_COUNT + photon.event], 1u);
         }
     }
     atomicAdd(&tallies[2], photon.steps - steps);

@@ -1,54 +1,17 @@
-//! The tables of a detector on a device, and the text of the kernel: see `step.wgsl`.
+//! The tables of a detector on a device, and the text of the kernel: see `step.wgsl` and `approximate.wgsl`.
 
-use crate::boundary::BoundaryEvent;
+use super::codes::{
+    ABSORBS, COMPLEX_METAL, COUNTS, HAS_ROUGHNESS, INTERFACE, IS_ROUGH, IS_UNIFIED, MATERIAL_WORDS, METAL,
+    MIE, MIRROR, OTHER_PROCESS, PAINT, PROCESS_BITS, RAYLEIGH, SAME, SENSITIVE, SHIFTS, SURFACE_SHIFT,
+    SURFACE_WORDS, UNKNOWN, declarations,
+};
 use crate::detector::Detector;
 use crate::draws::{LEAST_EXPONENTIAL, LN2_HIGH, LN2_LOW, LOG, ROOT, TO_ONE};
-use crate::flight::End;
 use crate::material::{Bulk, MAX_SHIFTERS, OpticalMaterial, ValueTable};
 use crate::philox::{COSINE, SINE, UNIT};
-use crate::property::PropertyTable;
+use crate::property::{HC_MEV_NM, PropertyTable};
 use crate::surface::{OpticalSurface, SurfaceFinish, SurfaceModel, SurfaceType};
 use rayweave_gpu::{GpuError, NextTables};
-
-/// The boundary events that the kernel counts, in the order of its numbers.
-pub(super) const EVENTS: [BoundaryEvent; 12] = [
-    BoundaryEvent::FresnelRefraction,
-    BoundaryEvent::FresnelReflection,
-    BoundaryEvent::TotalInternalReflection,
-    BoundaryEvent::LambertianReflection,
-    BoundaryEvent::LobeReflection,
-    BoundaryEvent::SpikeReflection,
-    BoundaryEvent::BackScattering,
-    BoundaryEvent::Absorption,
-    BoundaryEvent::Detection,
-    BoundaryEvent::Transmission,
-    BoundaryEvent::SameMaterial,
-    BoundaryEvent::NoIndex,
-];
-
-/// States of a photon: 0 in flight, 1 and the place in [`End::ALL`], or this one.
-pub(super) const HANDED_BACK: u32 = End::ALL.len() as u32 + 1;
-
-/// The place of the first way of ending among the counts, and of the first boundary event; the number of counts.
-pub(super) const FIRST_END: usize = 3;
-pub(super) const FIRST_EVENT: usize = FIRST_END + HANDED_BACK as usize;
-pub(super) const COUNTS: usize = FIRST_EVENT + EVENTS.len();
-
-/// Words of a material.
-const MATERIAL_WORDS: usize = 12;
-
-/// Kinds of boundaries; the numbers are those of the kernel.
-pub(super) const UNKNOWN: u32 = 0;
-const SAME: u32 = 1;
-const INTERFACE: u32 = 2;
-const MIRROR: u32 = 3;
-const PAINT: u32 = 4;
-const METAL: u32 = 5;
-const SENSITIVE: u32 = 8;
-
-/// Flags of a surface.
-const IS_ROUGH: u32 = 1;
-const IS_UNIFIED: u32 = 2;
 
 /// The bits of the coefficients of the sine and the cosine in `libm` (FreeBSD, `k_sin.c` and `k_cos.c`).
 const SINE_TERMS: [u64; 6] = [
@@ -67,14 +30,6 @@ const COSINE_TERMS: [u64; 6] = [
     0x3e21_ee9e_bdb4_b1c4,
     0xbda8_fae9_be88_38d4,
 ];
-
-/// The bits of a process, and processes of materials.
-const PROCESS_BITS: usize = 4;
-const ABSORBS: u32 = 0;
-const RAYLEIGH: u32 = 1;
-const SHIFTS: u32 = 2;
-const MIE: u32 = 4;
-const OTHER: u32 = 15;
 
 /// The tables and the kernel of a detector.
 #[derive(Debug)]
@@ -102,7 +57,9 @@ impl Tables {
             ("@PAIRS@", word(pairs)),
             ("@REGIONS@", word(detector.material_of.len() as u32)),
             ("@FRAME_OF@", word(next.frame_of())),
+            ("@CODES@", declarations()),
             ("@COUNTS@", word(COUNTS as u32)),
+            ("@HC@", number(HC_MEV_NM)),
             ("@UNIT@", number(UNIT)),
             ("@LEAST@", number(LEAST_EXPONENTIAL)),
             ("@GRAZING@", number(crate::boundary::GRAZING)),
@@ -122,7 +79,8 @@ impl Tables {
         replacements.extend(names.into_iter().zip(SINE_TERMS.map(|bits| number(f64::from_bits(bits)))));
         let names = ["@C1@", "@C2@", "@C3@", "@C4@", "@C5@", "@C6@"];
         replacements.extend(names.into_iter().zip(COSINE_TERMS.map(|bits| number(f64::from_bits(bits)))));
-        let text = [next.shader().as_str(), include_str!("step.wgsl"), include_str!("main.wgsl")].join("\n");
+        let own = [include_str!("step.wgsl"), include_str!("approximate.wgsl"), include_str!("main.wgsl")];
+        let text = [next.shader(), own.join("\n")].join("\n");
         let source = replacements.iter().fold(text, |text, (name, value)| text.replace(name, value));
         Ok(Tables { next, source })
     }
@@ -162,7 +120,7 @@ fn properties(next: &mut NextTables, table: &ValueTable) -> [u32; 4] {
 }
 
 /// The row of a surface.
-fn surface(next: &mut NextTables, surface: &OpticalSurface) -> [u32; 6] {
+fn surface(next: &mut NextTables, surface: &OpticalSurface) -> [u32; SURFACE_WORDS as usize] {
     let [zero, one] = [0.0, 1.0].map(PropertyTable::constant);
     let is_unified = surface.model == SurfaceModel::Unified;
     let lobe = |table| Option::as_ref(table).filter(|_| is_unified).unwrap_or(&zero);
@@ -173,10 +131,16 @@ fn surface(next: &mut NextTables, surface: &OpticalSurface) -> [u32; 6] {
         lobe(&surface.lobe),
         lobe(&surface.spike),
         lobe(&surface.backscatter),
+        surface.metal_index.as_ref().map_or(&zero, |(real, _)| real),
+        surface.metal_index.as_ref().map_or(&zero, |(_, imaginary)| imaginary),
     ]);
     let [a, b, c, d] = properties(next, &table);
-    let value = put_numbers(next, [surface.value]);
-    let flags = [(surface.finish == SurfaceFinish::Ground, IS_ROUGH), (is_unified, IS_UNIFIED)];
+    let value = put_numbers(next, [surface.value, 4.0 * std::f64::consts::PI * surface.roughness]);
+    let flags = [
+        (surface.finish == SurfaceFinish::Ground, IS_ROUGH),
+        (is_unified, IS_UNIFIED),
+        (surface.roughness != 0.0, HAS_ROUGHNESS),
+    ];
     [a, b, c, d, value, flags.iter().filter(|(holds, _)| *holds).map(|(_, bit)| bit).sum()]
 }
 
@@ -186,7 +150,7 @@ fn materials(next: &mut NextTables, materials: &[OpticalMaterial]) -> (u32, usiz
     for material in materials {
         let table = ValueTable::new(material);
         let (processes, has_index) = table.processes();
-        let mut row = [0; MATERIAL_WORDS];
+        let mut row = [0; MATERIAL_WORDS as usize];
         row[..4].copy_from_slice(&properties(next, &table));
         row[4] = u32::from(has_index);
         row[5] = processes.len() as u32;
@@ -198,9 +162,9 @@ fn materials(next: &mut NextTables, materials: &[OpticalMaterial]) -> (u32, usiz
                     SHIFTS + u32::from(number)
                 }
                 Bulk::Mie => MIE,
-                Bulk::Shift(_) => OTHER,
+                Bulk::Shift(_) => OTHER_PROCESS,
             };
-            row[6] |= kind << (PROCESS_BITS * k);
+            row[6] |= kind << (PROCESS_BITS * k as u32);
         }
         for (k, shifter) in material.shifters.iter().take(MAX_SHIFTERS).enumerate() {
             let [energies, cumulative] = shifter.spectrum.columns();
@@ -228,7 +192,9 @@ fn pairs(detector: &Detector) -> Vec<u32> {
         let sensitive = if detector.sensors[after as usize].is_some() { SENSITIVE } else { 0 };
         let Some(surface) = detector.boundaries.between([before, after]) else { return UNKNOWN };
         let number = surface.map_or(0, |number| number as u32 + 1);
-        kind(surface.map(|number| &detector.surfaces[number]), own == other) | sensitive | number << 4
+        kind(surface.map(|number| &detector.surfaces[number]), own == other)
+            | sensitive
+            | number << SURFACE_SHIFT
     };
     (0..regions).flat_map(|before| (0..regions).map(move |after| pair(before, after))).collect()
 }
@@ -240,13 +206,16 @@ pub(super) fn kind(surface: Option<&OpticalSurface>, is_same: bool) -> u32 {
     let interface = if is_same { SAME } else { INTERFACE };
     let Some(surface) = surface else { return interface };
     if surface.reflectivity.is_none() && surface.metal_index.is_some() {
-        return UNKNOWN;
+        return match (surface.kind, surface.finish, surface.model) {
+            (SurfaceType::DielectricMetal, Polished, _) => COMPLEX_METAL,
+            (SurfaceType::DielectricMetal, Ground, Unified | Glisur) => COMPLEX_METAL,
+            _ => UNKNOWN,
+        };
     }
-    let is_smooth = surface.roughness == 0.0;
     match (surface.kind, surface.finish, surface.model) {
         (SurfaceType::DielectricDielectric, Polished | Ground, _) if is_same => SAME,
-        (SurfaceType::DielectricDielectric, Polished, _) if is_smooth => INTERFACE,
-        (SurfaceType::DielectricDielectric, Ground, Unified | Glisur) if is_smooth => INTERFACE,
+        (SurfaceType::DielectricDielectric, Polished, _) => INTERFACE,
+        (SurfaceType::DielectricDielectric, Ground, Unified | Glisur) => INTERFACE,
         (SurfaceType::DielectricDielectric, PolishedFrontPainted, _) => MIRROR,
         (SurfaceType::DielectricDielectric, GroundFrontPainted, _) => PAINT,
         (SurfaceType::DielectricMetal, Polished, _) => MIRROR,
