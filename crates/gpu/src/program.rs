@@ -24,6 +24,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 mod queries;
+#[cfg(test)]
+mod tests;
 
 /// The largest and the smallest number of rays of a batch. A small batch leaves much of a large card idle; a thread prepares and
 /// completes a batch alone, so a query needs at least one batch for each thread.
@@ -65,6 +67,9 @@ pub struct GpuProgram {
     others: Others,
     /// The memory of earlier queries: new memory costs more time than the conversion of rays.
     idle: Mutex<Vec<Worker>>,
+    /// Called with the number of the first ray of each batch of first crossings that is complete, in tests of the order.
+    #[cfg(test)]
+    completed: fn(usize),
 }
 
 /// The cost of a query.
@@ -176,7 +181,18 @@ impl GpuProgram {
         let (others, idle) = (Others::default(), Mutex::default());
         let label = |face: &Face| (program.face_number(face.leaf, face.facet) as i32, face.placement.0);
         let labels = layout.faces.iter().map(label).collect();
-        Ok(GpuProgram { program, cpu, kernel, sender, layout, labels, others, idle })
+        Ok(GpuProgram {
+            program,
+            cpu,
+            kernel,
+            sender,
+            layout,
+            labels,
+            others,
+            idle,
+            #[cfg(test)]
+            completed: |_| (),
+        })
     }
 
     /// The program.
@@ -351,6 +367,8 @@ impl GpuProgram {
         }
         self.trace(&rays, part, worker);
         report.complete = clock.elapsed();
+        #[cfg(test)]
+        (self.completed)(part.first);
         Ok(report)
     }
 

@@ -25,7 +25,6 @@ pub(crate) fn rounds_like_the_cpu(adapter: &Adapter, device: &Device) -> Result<
 /// True if a device rounds the operations of a shader as the CPU does, for pseudo-random numbers of magnitudes from 2^-8 to
 /// 2^8: nothing else can be concluded from documentation, since WGSL has no double precision.
 fn try_arithmetic(device: &Device, arithmetic: &str) -> Result<bool, GpuError> {
-    use wgpu::BufferUsages as Usage;
     let mut state = 1u64;
     let mut next = || {
         // constants of Knuth's MMIX generator
@@ -36,35 +35,49 @@ fn try_arithmetic(device: &Device, arithmetic: &str) -> Result<bool, GpuError> {
     let numbers: Vec<f64> = (0..NUMBERS * TRIALS).map(|_| next()).collect();
     let source = include_str!("shader/trial.wgsl").replace("@ARITHMETIC@", arithmetic);
     let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
-    let input = device.buffer("trial", bytes.len() as u64, Usage::STORAGE | Usage::COPY_DST)?;
-    let size = (8 * RESULTS * TRIALS) as u64;
-    let output = device.buffer("trial", size, Usage::STORAGE | Usage::COPY_SRC)?;
-    let back = device.buffer("trial", size, Usage::MAP_READ | Usage::COPY_DST)?;
-    let params = device.buffer("parameters", 16, Usage::UNIFORM | Usage::COPY_DST)?;
-    device.queue.write_buffer(&input, 0, &bytes);
-    device.queue.write_buffer(&params, 0, &[0; 16]);
-    let pipeline = device.pipeline("trial", source)?;
-    let group = device.group(&pipeline, &[(0, &input), (1, &output), (2, &params)])?;
-    let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups((TRIALS / 64) as u32, 1, 1);
-    }
-    encoder.copy_buffer_to_buffer(&output, 0, &back, 0, size);
-    let submitted = device.queue.submit([encoder.finish()]);
-    let (send, done) = std::sync::mpsc::channel();
-    back.map_async(wgpu::MapMode::Read, .., move |result| _ = send.send(result));
-    device.wait_for(submitted)?;
-    done.recv().map_err(|error| device.lost(&error))?.map_err(|error| device.lost(&error))?;
-    let view = back.get_mapped_range(..).map_err(|error| device.lost(&error))?;
-    let results = view.chunks_exact(8).map(|bytes| u64::from_le_bytes(bytes.try_into().unwrap_or_default()));
+    let found = compute(device, source, &bytes, 8 * RESULTS * TRIALS, TRIALS / 64)?;
+    let results = found.chunks_exact(8).map(|bytes| u64::from_le_bytes(bytes.try_into().unwrap_or_default()));
     let expected = numbers.chunks_exact(NUMBERS).flat_map(|numbers| {
         let [a, b, c] = [numbers[0], numbers[1], numbers[2]];
         [a * b + c, (a + b) - a, a / b, a.abs().sqrt(), a * c + b * c, a * a - b * b].map(f64::to_bits)
     });
     Ok(results.eq(expected))
+}
+
+/// The results of a kernel that reads a buffer (0), writes one of a number of bytes (1), and has parameters of four words (2), which are 0.
+pub(crate) fn compute(
+    device: &Device,
+    source: String,
+    input: &[u8],
+    results: usize,
+    groups: usize,
+) -> Result<Vec<u8>, GpuError> {
+    use wgpu::BufferUsages as Usage;
+    let numbers = device.buffer("trial", input.len() as u64, Usage::STORAGE | Usage::COPY_DST)?;
+    let size = results as u64;
+    let output = device.buffer("trial", size, Usage::STORAGE | Usage::COPY_SRC)?;
+    let back = device.buffer("trial", size, Usage::MAP_READ | Usage::COPY_DST)?;
+    let params = device.buffer("parameters", 16, Usage::UNIFORM | Usage::COPY_DST)?;
+    device.queue.write_buffer(&numbers, 0, input);
+    device.queue.write_buffer(&params, 0, &[0; 16]);
+    let pipeline = device.pipeline("trial", source)?;
+    let group = device.group(&pipeline, &[(0, &numbers), (1, &output), (2, &params)])?;
+    let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(groups as u32, 1, 1);
+    }
+    encoder.copy_buffer_to_buffer(&output, 0, &back, 0, size);
+    let submitted = device.queue.submit([encoder.finish()]);
+    let (send, done) = std::sync::mpsc::channel();
+    // only an error drops the receiver
+    back.map_async(wgpu::MapMode::Read, .., move |result| _ = send.send(result));
+    device.wait_for(submitted)?;
+    done.recv().map_err(|error| device.lost(&error))?.map_err(|error| device.lost(&error))?;
+    let view = back.get_mapped_range(..).map_err(|error| device.lost(&error))?;
+    Ok(view.to_vec())
 }
 
 #[cfg(test)]

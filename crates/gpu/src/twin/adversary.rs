@@ -1,4 +1,4 @@
-//! Arithmetic of WGSL with an adversary, who chooses the neighbour to which each operation rounds.
+//! Arithmetic of WGSL with an adversary, who chooses the neighbour to which each operation rounds, or with rounding to nearest.
 
 /// Rounds the operations one after the other as `choices` say: true for the neighbour above the exact result. Missing choices
 /// are false.
@@ -6,6 +6,8 @@
 pub(crate) struct Adversary {
     pub choices: Vec<bool>,
     next: usize,
+    /// True if all operations round to nearest, in the order in which they are written.
+    is_nearest: bool,
 }
 
 /// A vector of three numbers.
@@ -13,7 +15,12 @@ pub(crate) type V3 = [f32; 3];
 
 impl Adversary {
     pub fn new(choices: Vec<bool>) -> Adversary {
-        Adversary { choices, next: 0 }
+        Adversary { choices, ..Adversary::default() }
+    }
+
+    /// The arithmetic of processors, and of devices that neither contract nor reassociate.
+    pub fn nearest() -> Adversary {
+        Adversary { is_nearest: true, ..Adversary::default() }
     }
 
     /// The number of choices so far.
@@ -41,25 +48,31 @@ impl Adversary {
     }
 
     pub fn add(&mut self, a: f32, b: f32) -> f32 {
-        self.round(f64::from(a) + f64::from(b))
+        if self.is_nearest { a + b } else { self.round(f64::from(a) + f64::from(b)) }
     }
 
     pub fn sub(&mut self, a: f32, b: f32) -> f32 {
-        self.round(f64::from(a) - f64::from(b))
+        if self.is_nearest { a - b } else { self.round(f64::from(a) - f64::from(b)) }
     }
 
     pub fn mul(&mut self, a: f32, b: f32) -> f32 {
-        self.round(f64::from(a) * f64::from(b))
+        if self.is_nearest { a * b } else { self.round(f64::from(a) * f64::from(b)) }
     }
 
     /// A quotient, within 2.5 units in the last place.
     pub fn div(&mut self, a: f32, b: f32) -> f32 {
+        if self.is_nearest {
+            return a / b;
+        }
         let sign = if self.choice() { 1.0 } else { -1.0 };
         (f64::from(a) / f64::from(b) * (1.0 + sign * 2.4 * f64::from(f32::EPSILON) / 2.0)) as f32
     }
 
     /// A square root by `1 / inverseSqrt`, within 4.5 units in the last place.
     pub fn root(&mut self, a: f32) -> f32 {
+        if self.is_nearest {
+            return a.sqrt();
+        }
         let sign = if self.choice() { 1.0 } else { -1.0 };
         (f64::from(a).sqrt() * (1.0 + sign * 4.4 * f64::from(f32::EPSILON))) as f32
     }

@@ -21,6 +21,8 @@ impl Default for Bounds {
 #[cfg(test)]
 mod adversary;
 #[cfg(test)]
+mod device;
+#[cfg(test)]
 mod surfaces;
 #[cfg(test)]
 mod tests;
