@@ -7,20 +7,13 @@ const MARGIN: f64 = 1e-9lf;
 
 const SPECULAR: u32 = 0u;
 const DIFFUSE: u32 = 1u;
-const UNDECIDED: u32 = 2u;
+// not a boundary event
+const REFLECTED: u32 = 100u;
+const UNDECIDED: u32 = 101u;
 
 // Whether the roughness of a surface makes a reflection diffuse: `Process::passes_roughness`, which compares a random number with
-// exp(-phase^2). The logarithm of the number is compared with -phase^2 here.
-fn roughness_rule(
-    photon: Photon, normal: vec3<f64>, rest: f64, finish: Finish, stream: ptr<function, Stream>
-) -> u32 {
-    var facet = normal;
-    if (finish.flags & IS_ROUGH) != 0u {
-        facet = facet_normal(photon.direction, normal, finish, stream);
-        if is_none(facet) {
-            return UNDECIDED;
-        }
-    }
+// exp(-phase^2). The logarithm of the number is compared with -phase^2 here. `rest` is 4 pi times roughness and index.
+fn roughness_rule(photon: Photon, facet: vec3<f64>, rest: f64, stream: ptr<function, Stream>) -> u32 {
     let phase = rest * -dot64(photon.direction, facet) * photon.energy / (@HC@lf * 1e-6lf);
     let square = phase * phase;
     let own = -log64(uniform_(stream));
@@ -64,117 +57,76 @@ fn reflected_power(a: vec2<f64>, b: vec2<f64>) -> f64 {
     return (less.x * less.x + less.y * less.y) / (more.x * more.x + more.y * more.y);
 }
 
-// A metal with a complex index: `Process::metal` behind `Process::use_complex_index`. The reflected powers are only compared with random
-// numbers; a comparison that their errors could change is left to the CPU.
-fn complex_metal(
-    photon: Photon, normal: vec3<f64>, finish: Finish, pieces: u32, index: f64, stream: ptr<function, Stream>
-) -> Photon {
-    var changed = photon;
-    let energy = photon.energy;
-    let metal = vec2<f64>(piece_at(pieces + 24u, energy), piece_at(pieces + 28u, energy));
-    let is_rough = (finish.flags & IS_ROUGH) != 0u;
-    let is_unified = is_rough && (finish.flags & IS_UNIFIED) != 0u;
-    for (var round = 0u; round < ROUNDS; round++) {
-        if round > 0u {
-            _ = uniform_(stream);
-        }
-        var facet = normal;
-        if is_rough {
-            facet = facet_normal(changed.direction, normal, finish, stream);
-            if is_none(facet) {
-                return handed_back(photon);
-            }
-        }
-        let cosine = clamp(-dot64(changed.direction, facet), 0.0lf, 1.0lf);
-        let powers = metal_powers(index, metal, cosine);
-        let plane = cross64(changed.direction, facet);
-        let plane_square = dot64(plane, plane);
-        if powers.x < 0.0lf || (plane_square < 1e-200lf && plane_square > 0.0lf) {
-            return handed_back(photon);
-        }
-        var fraction = 0.0lf;
-        if plane_square > 0.0lf {
-            let part = dot64(changed.polarisation, normalised(plane));
-            fraction = part * part;
-        }
-        let s = powers.x * fraction;
-        let p = powers.y * (1.0lf - fraction);
-        let reflectivity = s + p;
-        var reflects_s = false;
-        var reflects_p = false;
-        for (var turn = 0u; turn < ROUNDS && !reflects_s && !reflects_p; turn++) {
-            let first = uniform_(stream) * reflectivity;
-            let second = uniform_(stream) * reflectivity;
-            if !(abs(first - s) > MARGIN && abs(second - p) > MARGIN) {
-                return handed_back(photon);
-            }
-            reflects_s = first <= s;
-            reflects_p = second <= p;
-        }
-        let u = uniform_(stream);
-        let with_transmitted = reflectivity + select(0.0lf, piece_at(pieces + 4u, energy), round == 0u);
-        let is_certain = abs(u - reflectivity) > MARGIN && abs(u - with_transmitted) > MARGIN;
-        if !is_certain || !(reflects_s || reflects_p) {
-            return handed_back(photon);
-        }
-        if u > with_transmitted {
-            // a detected photon has the direction in which it arrived
-            var lost = photon;
-            let is_detected = uniform_(stream) < piece_at(pieces + 8u, energy);
-            lost.event = select(ABSORPTION, DETECTION, is_detected);
-            return lost;
-        }
-        if u > reflectivity {
-            changed.event = TRANSMISSION;
-            return changed;
-        }
-        if !is_unified {
-            changed.event = select(SPIKE, LOBE, is_rough);
-            changed = mirror(changed, facet);
-        } else {
-            if round == 0u {
-                changed.event = chosen(finish, stream);
-            }
-            changed = off_complex_metal(changed, normal, facet, reflects_s, reflects_p, stream);
-        }
-        if changed.state == HANDED_BACK || dot64(changed.direction, normal) >= 0.0lf {
-            return changed;
-        }
-    }
-    return handed_back(photon);
+// What a metal with a complex index does: REFLECTED, with the components that it reflects, a boundary event, or UNDECIDED.
+struct Fate {
+    way: u32,
+    reflects_s: bool,
+    reflects_p: bool,
 }
 
-// The reflection by a rough metal of the unified model: `Process::reflect_at_metal`, with the event that has been chosen.
-fn off_complex_metal(
-    photon: Photon, normal: vec3<f64>, facet: vec3<f64>, reflects_s: bool, reflects_p: bool,
-    stream: ptr<function, Stream>
-) -> Photon {
-    var changed = photon;
-    if photon.event == LAMBERTIAN {
-        return diffuse(photon, normal, stream);
-    }
-    if photon.event == BACKSCATTER {
-        changed.direction = -photon.direction;
-        changed.polarisation = -photon.polarisation;
-        return changed;
-    }
-    var about = normal;
-    if photon.event == LOBE {
-        about = facet;
-    }
-    let plane = cross64(photon.direction, about);
-    changed = mirror(photon, about);
+// The random choices of `Process::metal_reflectivity` at a facet, and the loss behind them. The reflected powers are only compared with random
+// numbers; a comparison that their errors could change is left to the CPU.
+fn complex_fate(
+    photon: Photon, facet: vec3<f64>, finish: Finish, index: f64, is_first: bool, stream: ptr<function, Stream>
+) -> Fate {
+    let energy = photon.energy;
+    let pieces = finish.pieces;
+    var fate = Fate(UNDECIDED, false, false);
+    let metal = vec2<f64>(piece_at(pieces + 24u, energy), piece_at(pieces + 28u, energy));
+    let cosine = clamp(-dot64(photon.direction, facet), 0.0lf, 1.0lf);
+    let powers = metal_powers(index, metal, cosine);
+    let plane = cross64(photon.direction, facet);
     let square = dot64(plane, plane);
-    if square < 1e-200lf && square > 0.0lf {
+    if powers.x < 0.0lf || (square < 1e-200lf && square > 0.0lf) {
+        return fate;
+    }
+    var fraction = 0.0lf;
+    if square > 0.0lf {
+        let part = dot64(photon.polarisation, normalised(plane));
+        fraction = part * part;
+    }
+    let s = powers.x * fraction;
+    let p = powers.y * (1.0lf - fraction);
+    let reflectivity = s + p;
+    for (var turn = 0u; turn < ROUNDS && !fate.reflects_s && !fate.reflects_p; turn++) {
+        let first = uniform_(stream) * reflectivity;
+        let second = uniform_(stream) * reflectivity;
+        if !(abs(first - s) > MARGIN && abs(second - p) > MARGIN) {
+            return fate;
+        }
+        fate.reflects_s = first <= s;
+        fate.reflects_p = second <= p;
+    }
+    let u = uniform_(stream);
+    let with_transmitted = reflectivity + select(0.0lf, piece_at(pieces + 4u, energy), is_first);
+    if !(abs(u - reflectivity) > MARGIN && abs(u - with_transmitted) > MARGIN && (fate.reflects_s || fate.reflects_p)) {
+        return fate;
+    }
+    fate.way = REFLECTED;
+    if u > with_transmitted {
+        let is_detected = uniform_(stream) < piece_at(pieces + 8u, energy);
+        fate.way = select(ABSORPTION, DETECTION, is_detected);
+    } else if u > reflectivity {
+        fate.way = TRANSMISSION;
+    }
+    return fate;
+}
+
+// The polarisation behind a reflection of one component: that of `Process::reflect_at_metal`. `plane` is the product of direction and facet.
+fn polarised_by_metal(photon: Photon, plane: vec3<f64>, reflects_s: bool) -> Photon {
+    var changed = photon;
+    let square = dot64(plane, plane);
+    if square == 0.0lf {
+        return photon;
+    }
+    if square < 1e-200lf {
         return handed_back(photon);
     }
-    if square > 0.0lf && !(reflects_s && reflects_p) {
-        let across_ = normalised(plane);
-        if reflects_s {
-            changed.polarisation = -across_;
-        } else {
-            changed.polarisation = -normalised(cross64(changed.direction, across_));
-        }
+    let across_ = normalised(plane);
+    if reflects_s {
+        changed.polarisation = -across_;
+    } else {
+        changed.polarisation = -normalised(cross64(photon.direction, across_));
     }
     return changed;
 }

@@ -322,26 +322,17 @@ fn free_path(photon: Photon, material: u32, paths: u32, to_boundary: f64) -> Fre
     return shortest;
 }
 
-// What the process needs of a surface: the probabilities of the reflections of the unified model, the value, and whether its
-// roughness makes a reflection diffuse. Without a surface the interface is smooth.
+// What the process needs of a surface: the probabilities of the reflections of the unified model, the value, 4 pi times the roughness,
+// whether it makes a reflection diffuse, and the place of the properties. Without a surface the interface is smooth.
 struct Finish {
     flags: u32,
     is_diffuse: bool,
     value: f64,
+    roughness: f64,
     lobe: f64,
     spike: f64,
     backscatter: f64,
-}
-
-fn surface_row(entry: u32) -> u32 {
-    return SURFACES + SURFACE_WORDS * ((entry >> SURFACE_SHIFT) - 1u);
-}
-
-fn finish_of(row: u32, pieces: u32, energy: f64) -> Finish {
-    return Finish(
-        words[row + 5u], false, exact[words[row + 4u]], piece_at(pieces + 12u, energy),
-        piece_at(pieces + 16u, energy), piece_at(pieces + 20u, energy)
-    );
+    pieces: u32,
 }
 
 // The boundary process: `Boundary::apply`. `entry` is that of the pair of regions, with the surface, if there is one, above bit 3.
@@ -359,43 +350,38 @@ fn meet(photon: Photon, normal: vec3<f64>, entry: u32, index: f64, after: u32) -
         return changed;
     }
     var stream = stream_of(photon, BOUNDARY);
-    if kind == COMPLEX_METAL {
-        let row = surface_row(entry);
+    var finish = Finish(0u, false, 0.0lf, 0.0lf, 0.0lf, 0.0lf, 0.0lf, 0u);
+    let has_surface = (entry >> SURFACE_SHIFT) != 0u;
+    if has_surface {
+        let row = SURFACES + SURFACE_WORDS * ((entry >> SURFACE_SHIFT) - 1u);
         let pieces = pieces_of(row, photon.energy);
-        changed = complex_metal(photon, normal, finish_of(row, pieces, photon.energy), pieces, index, &stream);
-        if changed.event == ABSORPTION || changed.event == DETECTION {
-            return changed;
-        }
-        return left(changed, normal);
+        let value = words[row + 4u];
+        finish = Finish(
+            words[row + 5u], false, exact[value], exact[value + 1u], piece_at(pieces + 12u, photon.energy),
+            piece_at(pieces + 16u, photon.energy), piece_at(pieces + 20u, photon.energy), pieces
+        );
     }
-    let u = uniform_(&stream);
-    var finish = Finish(0u, false, 0.0lf, 0.0lf, 0.0lf, 0.0lf);
-    if (entry >> SURFACE_SHIFT) != 0u {
-        let row = surface_row(entry);
-        let pieces = pieces_of(row, photon.energy);
-        let reflectivity = piece_at(pieces, photon.energy);
-        if u > plus(reflectivity, piece_at(pieces + 4u, photon.energy)) {
-            let is_detected = uniform_(&stream) < piece_at(pieces + 8u, photon.energy);
-            changed.event = select(ABSORPTION, DETECTION, is_detected);
-            return changed;
+    let is_complex = kind == COMPLEX_METAL;
+    // a metal with a complex index has its losses behind the choice of the facet
+    if !is_complex {
+        let u = uniform_(&stream);
+        if has_surface {
+            let pieces = finish.pieces;
+            let reflectivity = piece_at(pieces, photon.energy);
+            if u > plus(reflectivity, piece_at(pieces + 4u, photon.energy)) {
+                let is_detected = uniform_(&stream) < piece_at(pieces + 8u, photon.energy);
+                changed.event = select(ABSORPTION, DETECTION, is_detected);
+                return changed;
+            }
+            if u > reflectivity {
+                changed.event = TRANSMISSION;
+                return left(changed, normal);
+            }
         }
-        if u > reflectivity {
-            changed.event = TRANSMISSION;
-            return left(changed, normal);
-        }
-        finish = finish_of(row, pieces, photon.energy);
     }
     switch kind {
         case INTERFACE: {
             let behind = piece_at(pieces_of(behind_row, photon.energy), photon.energy);
-            if (finish.flags & HAS_ROUGHNESS) != 0u && index > behind {
-                let rest = exact[words[surface_row(entry) + 4u] + 1u];
-                let diffuse = roughness_rule(photon, normal, rest * index, finish, &stream);
-                if diffuse == UNDECIDED {
-                    return handed_back(photon);
-                }
-                finish.is_diffuse = diffuse == DIFFUSE;
-            }
             changed = interface_(photon, normal, vec2<f64>(index, behind), finish, &stream);
         }
         case MIRROR: {
@@ -406,8 +392,11 @@ fn meet(photon: Photon, normal: vec3<f64>, entry: u32, index: f64, after: u32) -
             changed.event = LAMBERTIAN;
             changed = diffuse(changed, normal, &stream);
         }
-        case METAL: {
-            changed = metal(photon, normal, finish, &stream);
+        case METAL, COMPLEX_METAL: {
+            changed = metal(photon, normal, finish, select(0.0lf, index, is_complex), &stream);
+            if changed.event == ABSORPTION || changed.event == DETECTION {
+                return changed;
+            }
         }
         default: {
             return handed_back(photon);
@@ -527,9 +516,11 @@ fn is_none(facet: vec3<f64>) -> bool {
     return dot64(facet, facet) < 0.5lf;
 }
 
-// A dielectric in front of a metal with a given reflectivity: `Process::metal`, behind its first random number.
-fn metal(photon: Photon, normal: vec3<f64>, finish: Finish, stream: ptr<function, Stream>) -> Photon {
+// A dielectric in front of a metal: `Process::metal` behind its first random number or, with the index in front of a metal with a complex
+// index, behind `Process::use_complex_index`; the index is 0 for a metal with a given reflectivity.
+fn metal(photon: Photon, normal: vec3<f64>, finish: Finish, index: f64, stream: ptr<function, Stream>) -> Photon {
     var changed = photon;
+    let is_complex = index > 0.0lf;
     let is_rough = (finish.flags & IS_ROUGH) != 0u;
     let is_unified = is_rough && (finish.flags & IS_UNIFIED) != 0u;
     for (var round = 0u; round < ROUNDS; round++) {
@@ -538,8 +529,35 @@ fn metal(photon: Photon, normal: vec3<f64>, finish: Finish, stream: ptr<function
         }
         if !is_unified {
             changed.event = select(SPIKE, LOBE, is_rough);
-        } else if round == 0u {
+        } else if round == 0u && !is_complex {
             changed.event = chosen(finish, stream);
+        }
+        var facet = normal;
+        if changed.event == LOBE || (is_complex && is_rough) {
+            facet = facet_normal(changed.direction, normal, finish, stream);
+            if is_none(facet) {
+                return handed_back(photon);
+            }
+        }
+        var fate = Fate(REFLECTED, true, true);
+        if is_complex {
+            fate = complex_fate(changed, facet, finish, index, round == 0u, stream);
+            if fate.way == UNDECIDED {
+                return handed_back(photon);
+            }
+            if fate.way != REFLECTED {
+                // a detected photon has the direction in which it arrived
+                var lost = photon;
+                lost.event = fate.way;
+                return lost;
+            }
+            if is_unified && round == 0u {
+                changed.event = chosen(finish, stream);
+            }
+            // the facet of the reflectivity is that of the lobe only
+            if changed.event != LOBE {
+                facet = normal;
+            }
         }
         switch changed.event {
             case LAMBERTIAN: {
@@ -549,15 +567,12 @@ fn metal(photon: Photon, normal: vec3<f64>, finish: Finish, stream: ptr<function
                 changed.direction = -changed.direction;
                 changed.polarisation = -changed.polarisation;
             }
-            case LOBE: {
-                let facet = facet_normal(changed.direction, normal, finish, stream);
-                if is_none(facet) {
-                    return handed_back(photon);
-                }
-                changed = mirror(changed, facet);
-            }
             default: {
-                changed = mirror(changed, normal);
+                let before = changed.direction;
+                changed = mirror(changed, facet);
+                if is_unified && !(fate.reflects_s && fate.reflects_p) {
+                    changed = polarised_by_metal(changed, cross64(before, facet), fate.reflects_s);
+                }
             }
         }
         if changed.state == HANDED_BACK || dot64(changed.direction, normal) >= 0.0lf {
@@ -569,18 +584,37 @@ fn metal(photon: Photon, normal: vec3<f64>, finish: Finish, stream: ptr<function
 
 // An interface between two dielectrics: `Process::interface`, without paint behind it.
 fn interface_(
-    photon: Photon, normal_: vec3<f64>, indices_: vec2<f64>, finish: Finish, stream: ptr<function, Stream>
+    photon: Photon, normal_: vec3<f64>, indices_: vec2<f64>, finish_: Finish, stream: ptr<function, Stream>
 ) -> Photon {
     var changed = photon;
     var normal = normal_;
     var indices = indices_;
     var is_through = false;
+    var finish = finish_;
+    // the first facet decides whether the roughness makes reflections diffuse
+    var decides = (finish.flags & HAS_ROUGHNESS) != 0u && indices.x > indices.y;
     for (var round = 0u; round < ROUNDS; round++) {
         if is_through {
             normal = -normal;
             indices = indices.yx;
         }
-        changed = at_facet(changed, normal, indices, finish, stream);
+        var facet = normal;
+        if (finish.flags & IS_ROUGH) != 0u {
+            facet = facet_normal(changed.direction, normal, finish, stream);
+            if is_none(facet) {
+                return handed_back(photon);
+            }
+        }
+        if decides {
+            decides = false;
+            let diffuse_ = roughness_rule(photon, facet, finish.roughness * indices.x, stream);
+            if diffuse_ == UNDECIDED {
+                return handed_back(photon);
+            }
+            finish.is_diffuse = diffuse_ == DIFFUSE;
+            continue;
+        }
+        changed = at_facet(changed, normal, facet, indices, finish, stream);
         if changed.state == HANDED_BACK {
             return changed;
         }
@@ -608,17 +642,10 @@ fn left(photon: Photon, normal: vec3<f64>) -> Photon {
 
 // One event at one facet: `Process::refract_or_reflect`.
 fn at_facet(
-    photon: Photon, normal: vec3<f64>, indices: vec2<f64>, finish: Finish, stream: ptr<function, Stream>
+    photon: Photon, normal: vec3<f64>, facet_: vec3<f64>, indices: vec2<f64>, finish: Finish, stream: ptr<function, Stream>
 ) -> Photon {
     var changed = photon;
-    let is_rough = (finish.flags & IS_ROUGH) != 0u;
-    var facet = normal;
-    if is_rough {
-        facet = facet_normal(photon.direction, normal, finish, stream);
-        if is_none(facet) {
-            return handed_back(photon);
-        }
-    }
+    var facet = facet_;
     let index = indices.x;
     let behind = indices.y;
     let d = photon.direction;

@@ -89,7 +89,7 @@ pub(super) fn water() -> Detector {
 
 /// Liquid argon in a layer of pTP, in wavelength-shifting plastic, in a shell of metal that detects, in a world.
 pub(super) fn argon() -> Detector {
-    loaded(include_str!("../../benches/argon.gdml"))
+    loaded(include_str!("../../benches/gpu/argon.gdml"))
 }
 
 /// A sphere of glass with a mirror on a smaller sphere in it, in water.
@@ -509,7 +509,8 @@ fn endings(
     all
 }
 
-/// Logarithms, cosines and sines of the device for arguments between 0 and 1.
+/// Logarithms, cosines and sines of the device for arguments between 0 and 1, those of turns and those of angles up to an eighth of
+/// a turn.
 fn check_functions(batches: u64) {
     with_adapter(|adapter| {
         let tables = Tables::new(&water()).unwrap();
@@ -528,6 +529,9 @@ fn check_functions(batches: u64) {
     back_numbers[11u * i] = log64(x);
     back_numbers[11u * i + 1u] = turn.x;
     back_numbers[11u * i + 2u] = turn.y;
+    let angle = min(x, 0.7849lf);
+    back_numbers[11u * i + 3u] = small_sine(angle);
+    back_numbers[11u * i + 4u] = small_cosine(angle);
     atomicAdd(&counts[0], 1u);
 }}"
         );
@@ -556,6 +560,12 @@ fn check_functions(batches: u64) {
                 let (cos, sin) = crate::philox::cos_sin_turns(*x);
                 let expected = [libm::log(*x), cos, sin].map(f64::to_bits);
                 assert_eq!([found[0], found[1], found[2]].map(f64::to_bits), expected, "{x:e}");
+                // angles of facets
+                let angle = x.min(0.7849);
+                let expected = [libm::sin(angle), libm::cos(angle)].map(f64::to_bits);
+                if angle > 2e-8 {
+                    assert_eq!([found[3], found[4]].map(f64::to_bits), expected, "{angle:e}");
+                }
             }
         }
     });
