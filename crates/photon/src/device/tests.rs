@@ -5,8 +5,10 @@ use super::tables::kind;
 use super::*;
 use crate::history::{Histories, HistoryOptions, Process};
 use crate::source::Torch;
+use num_complex::Complex64;
 use rayweave_formats::{Format, Options};
 use rayweave_gpu::Gpu;
+use rayweave_optics::interface::fresnel;
 use rayweave_trace::Packets;
 
 const MATRICES: &str = r#"
@@ -509,7 +511,7 @@ fn endings(
     all
 }
 
-/// Logarithms, cosines and sines of the device for arguments between 0 and 1, those of turns and those of angles up to an eighth of
+/// Reflected powers of metals, and logarithms, cosines and sines of the device for arguments between 0 and 1, those of turns and those of angles up to an eighth of
 /// a turn.
 fn check_functions(batches: u64) {
     with_adapter(|adapter| {
@@ -532,6 +534,10 @@ fn check_functions(batches: u64) {
     let angle = min(x, 0.7849lf);
     back_numbers[11u * i + 3u] = small_sine(angle);
     back_numbers[11u * i + 4u] = small_cosine(angle);
+    let n = 11u * i;
+    let powers = metal_powers(numbers[n + 1u], vec2<f64>(numbers[n + 2u], numbers[n + 3u]), numbers[n + 4u]);
+    back_numbers[n + 5u] = powers.x;
+    back_numbers[n + 6u] = powers.y;
     atomicAdd(&counts[0], 1u);
 }}"
         );
@@ -551,12 +557,25 @@ fn check_functions(batches: u64) {
                     (u * libm::ldexp(1.0, -((k / 2 % 50) as i32))).max(libm::ldexp(1.0, -54))
                 }
             };
-            let arguments: Vec<f64> = (0..ROOM).map(number).collect();
-            let state = |x: &f64| [x.to_le_bytes().as_slice(), &[0; 8 * (STATE[0] - 1)]].concat();
-            let bytes: Vec<u8> = arguments.iter().flat_map(state).collect();
+            let numbers: Vec<f64> = (0..ROOM).map(number).collect();
+            // index in front, complex index, cosine; some metals do not absorb
+            let mut metal = |k: usize| {
+                let [a, b, c, d] = std::array::from_fn(|_| stream.uniform());
+                [1.0 + a, 0.02 + 3.0 * b, if k.is_multiple_of(8) { 0.0 } else { 5.0 * c * c }, d]
+            };
+            let metals: Vec<[f64; 4]> = (0..ROOM).map(&mut metal).collect();
+            let arguments = || numbers.iter().zip(&metals);
+            let state = |(x, metal): (&f64, &[f64; 4])| {
+                let mut state = [0.0; STATE[0]];
+                state[0] = *x;
+                state[1..5].copy_from_slice(metal);
+                state.map(f64::to_le_bytes).concat()
+            };
+            let bytes: Vec<u8> = arguments().flat_map(state).collect();
             carrier.load(&slot, 0, &bytes, &[]);
             let carried = carrier.run(&slot, ROOM, &[0; 8], || false).unwrap();
-            for (x, found) in arguments.iter().zip(carried.numbers.chunks(ROW[0])) {
+            let mut certain = 0;
+            for ((x, metal), found) in arguments().zip(carried.numbers.chunks(ROW[0])) {
                 let (cos, sin) = crate::philox::cos_sin_turns(*x);
                 let expected = [libm::log(*x), cos, sin].map(f64::to_bits);
                 assert_eq!([found[0], found[1], found[2]].map(f64::to_bits), expected, "{x:e}");
@@ -566,7 +585,16 @@ fn check_functions(batches: u64) {
                 if angle > 2e-8 {
                     assert_eq!([found[3], found[4]].map(f64::to_bits), expected, "{angle:e}");
                 }
+                // reflected powers, within the bound in `approximate.wgsl`: the margin of comparisons is a hundred times as large
+                let [index, real, imaginary, cosine] = *metal;
+                let reflected = fresnel(index, Complex64::new(real, imaginary), cosine).reflected;
+                if found[5] >= 0.0 {
+                    certain += 1;
+                    let errors = [0, 1].map(|p| (found[5 + p] - reflected[p].norm_sqr()).abs());
+                    assert!(errors.iter().all(|error| *error < 1e-11), "{metal:?}: {errors:?}");
+                }
             }
+            assert!(certain as f64 > 0.99 * ROOM as f64, "{certain}");
         }
     });
 }

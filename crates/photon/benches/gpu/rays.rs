@@ -1,34 +1,16 @@
-//! Correctness and speed of nearest crossings on a GPU, beside the CPU on all cores, as a table.
-//!
-//! ```text
-//! gpu_bench [--rays N] [--models die,lens,...] [--adapter K] [--out FOLDER]
-//! ```
-//!
-//! It writes `gpu.md` and `gpu.json` to the folder, and the table to standard output. Every row compares the answers of the GPU
-//! with those of the CPU bit for bit. The exit status is 1 if any bit differs.
+//! The nearest crossings of rays through a model on a graphics card and on the CPU.
 
-mod models;
-
-use models::{Numbers, SCENES, Scene};
-use rayweave_gpu::{Adapter, Gpu, GpuProgram, GpuReport};
+use crate::Failure;
+use crate::models::{Numbers, Scene};
+use rayweave_gpu::{Adapter, GpuProgram, GpuReport};
 use rayweave_model::drive::{Cancel, drive, thread_count};
 use rayweave_model::{Evaluator, FirstHits, RayBatch, Rays, Window};
 use rayweave_shape::Ray;
 use rayweave_trace::Packets;
-use std::fmt::Write as _;
 use std::time::Instant;
 
-type Failure = Box<dyn std::error::Error>;
-
-struct Options {
-    rays: usize,
-    models: Vec<String>,
-    adapter: usize,
-    out: std::path::PathBuf,
-}
-
 /// A row of the table.
-struct Row {
+pub struct Row {
     name: &'static str,
     faces: usize,
     report: GpuReport,
@@ -40,6 +22,25 @@ struct Row {
     whole: f64,
     cpu: f64,
 }
+
+impl Row {
+    /// True if no answer differs.
+    pub fn is_right(&self) -> bool {
+        self.differing == 0
+    }
+}
+
+/// The head of the table.
+pub const HEAD: &str = "
+## Nearest crossings
+
+Mrays/s: millions of rays per second. Kernel: with rays and answers on the device. Whole: from f64 rays to f64 answers, with upload, \
+download, the f64 kernel of each face and the CPU's rays. CPU: Packets.
+
+| model | faces | kernel, Mrays/s | whole, Mrays/s | CPU, Mrays/s | uncertain, % | contradicted | differing rays | bytes per ray | \
+tables, MB | compile, s | timed, % | prepare, wait, complete: ns per ray and thread |
+|---|---|---|---|---|---|---|---|---|---|---|---|---|
+";
 
 /// Answers in columns.
 struct Columns {
@@ -78,52 +79,6 @@ impl Columns {
     }
 }
 
-fn main() -> Result<std::process::ExitCode, Failure> {
-    let options = options()?;
-    let gpu = Gpu::new();
-    let adapter = gpu.adapter(options.adapter)?;
-    let threads = thread_count(None);
-    let mut rows = Vec::new();
-    let mut refused = String::new();
-    for (name, make) in SCENES {
-        if !options.models.is_empty() && !options.models.iter().any(|wanted| wanted == name) {
-            continue;
-        }
-        let scene = make()?;
-        match measure(&scene, adapter, &options) {
-            Ok(row) => {
-                eprintln!("{}", line(&row));
-                rows.push(row);
-            }
-            Err(problem) => writeln!(refused, "{name}: {problem}")?,
-        }
-        // complete after every row, so that a run that is cut off leaves what it measured
-        let text = page(adapter, threads.get(), &rows, &refused);
-        std::fs::write(options.out.join("gpu.md"), &text)?;
-        std::fs::write(options.out.join("gpu.json"), json(adapter, threads.get(), &rows))?;
-    }
-    println!("{}", page(adapter, threads.get(), &rows, &refused));
-    let is_equal = rows.iter().all(|row| row.differing == 0) && refused.is_empty();
-    Ok(if is_equal { std::process::ExitCode::SUCCESS } else { std::process::ExitCode::FAILURE })
-}
-
-fn options() -> Result<Options, Failure> {
-    let mut options = Options { rays: 1 << 22, models: Vec::new(), adapter: 0, out: ".".into() };
-    let mut arguments = std::env::args().skip(1);
-    while let Some(name) = arguments.next() {
-        let value = arguments.next().ok_or_else(|| format!("{name} needs a value"))?;
-        match name.as_str() {
-            "--rays" => options.rays = value.parse()?,
-            "--models" => options.models = value.split(',').map(str::to_owned).collect(),
-            "--adapter" => options.adapter = value.parse()?,
-            "--out" => options.out = value.into(),
-            _ => return Err(format!("unknown option {name}").into()),
-        }
-    }
-    std::fs::create_dir_all(&options.out)?;
-    Ok(options)
-}
-
 /// Rays from a sphere about the model to random points in it.
 fn rays(scene: &Scene, count: usize) -> RayBatch {
     let mut numbers = Numbers(1);
@@ -137,11 +92,12 @@ fn rays(scene: &Scene, count: usize) -> RayBatch {
         .collect()
 }
 
-fn measure(scene: &Scene, adapter: &Adapter, options: &Options) -> Result<Row, Failure> {
+/// Traces rays twice on the device, since the first query allocates memory, and on the CPU.
+pub fn measure(scene: &Scene, adapter: &Adapter, count: usize) -> Result<Row, Failure> {
     let clock = Instant::now();
     let gpu = GpuProgram::new(adapter, scene.program.clone())?;
     let compile = clock.elapsed().as_secs_f64();
-    let rays = rays(scene, options.rays);
+    let rays = rays(scene, count);
     let mut ours = Columns::new(rays.len());
     // the first query allocates the memory of the program, and the pages of the columns
     gpu.nearest(rays.rays(), &mut ours.hits())?;
@@ -203,7 +159,8 @@ fn on_the_cpu(scene: &Scene, rays: Rays<'_>, columns: &mut Columns) -> (usize, f
     (done, done as f64 / clock.elapsed().as_secs_f64())
 }
 
-fn line(row: &Row) -> String {
+/// A line of the table.
+pub fn line(row: &Row) -> String {
     let Row { name, faces, report, compared, differing, table_bytes, compile, kernel, whole, cpu } = row;
     let share = 100.0 * report.uncertain as f64 / report.rays.max(1) as f64;
     let per_ray = |time: std::time::Duration| 1e9 * time.as_secs_f64() / report.rays.max(1) as f64;
@@ -222,53 +179,26 @@ fn line(row: &Row) -> String {
     )
 }
 
-fn page(adapter: &Adapter, threads: usize, rows: &[Row], refused: &str) -> String {
-    let mut text = format!(
-        "# Nearest crossings on a GPU\n\nadapter `{}` ({:?}), driver `{}`; CPU: {threads} threads, Packets\n\n\
-         Mrays/s: millions of rays per second. Kernel: with rays and answers on the device. Whole: from f64 rays to f64 answers, \
-         with upload, download, the f64 kernel of each face and the CPU's rays.\n\n\
-         | model | faces | kernel, Mrays/s | whole, Mrays/s | CPU, Mrays/s | uncertain, % | contradicted | differing rays | \
-         bytes per ray | tables, MB | compile, s | timed, % | prepare, wait, complete: ns per ray and thread |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-        adapter.name(),
-        adapter.kind(),
-        adapter.driver(),
-    );
-    rows.iter().for_each(|row| text += &(line(row) + "\n"));
-    if !refused.is_empty() {
-        text += &format!("\nNot measured:\n\n{refused}");
-    }
-    text
-}
-
-fn json(adapter: &Adapter, threads: usize, rows: &[Row]) -> String {
-    let row = |row: &Row| {
-        format!(
-            "{{\"model\": {:?}, \"faces\": {}, \"rays\": {}, \"uncertain\": {}, \"timed\": {}, \"distant\": {}, \"contradicted\": {}, \
-             \"bytes\": {}, \"table_bytes\": {}, \"compared\": {}, \"differing\": {}, \"compile_seconds\": {:.4}, \
-             \"kernel_rays_per_second\": {:.0}, \"whole_rays_per_second\": {:.0}, \"cpu_rays_per_second\": {:.0}}}",
-            row.name,
-            row.faces,
-            row.report.rays,
-            row.report.uncertain,
-            row.report.timed,
-            row.report.distant,
-            row.report.contradicted,
-            row.report.bytes,
-            row.table_bytes,
-            row.compared,
-            row.differing,
-            row.compile,
-            row.kernel,
-            row.whole,
-            row.cpu,
-        )
-    };
-    let rows: Vec<String> = rows.iter().map(row).collect();
+/// A row as JSON.
+pub fn json(row: &Row) -> String {
     format!(
-        "{{\"adapter\": {:?}, \"driver\": {:?}, \"threads\": {threads}, \"rows\": [\n  {}\n]}}\n",
-        adapter.name(),
-        adapter.driver(),
-        rows.join(",\n  ")
+        "  {{\"model\": {:?}, \"faces\": {}, \"rays\": {}, \"uncertain\": {}, \"timed\": {}, \"distant\": {}, \"contradicted\": {}, \
+         \"bytes\": {}, \"table_bytes\": {}, \"compared\": {}, \"differing\": {}, \"compile_seconds\": {:.4}, \
+         \"kernel_rays_per_second\": {:.0}, \"whole_rays_per_second\": {:.0}, \"cpu_rays_per_second\": {:.0}}}",
+        row.name,
+        row.faces,
+        row.report.rays,
+        row.report.uncertain,
+        row.report.timed,
+        row.report.distant,
+        row.report.contradicted,
+        row.report.bytes,
+        row.table_bytes,
+        row.compared,
+        row.differing,
+        row.compile,
+        row.kernel,
+        row.whole,
+        row.cpu,
     )
 }
