@@ -26,7 +26,7 @@ pub(crate) struct Top {
     pub regions: Vec<u32>,
 }
 
-/// What the search for items needs of a group.
+/// The properties of a group for the search for items.
 struct Group<'p> {
     program: &'p Program,
     leaves: usize,

@@ -475,7 +475,7 @@ fn value_of(facet: u32, p: vec3<f64>) -> Value {
     }
 }
 
-// What the CPU knows about a point of a line on a facet: the unit normal, the slope of the surface along the line, and the point,
+// A point of a line on a facet, as the CPU computes it: the unit normal, the slope of the surface along the line, and the point,
 // moved onto the surface along the normal.
 struct Touch {
     is_certain: bool,

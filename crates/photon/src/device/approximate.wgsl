@@ -57,7 +57,7 @@ fn reflected_power(a: vec2<f64>, b: vec2<f64>) -> f64 {
     return (less.x * less.x + less.y * less.y) / (more.x * more.x + more.y * more.y);
 }
 
-// What a metal with a complex index does: REFLECTED, with the components that it reflects, a boundary event, or UNDECIDED.
+// The choice of a metal with a complex index: REFLECTED, with the components that it reflects, a boundary event, or UNDECIDED.
 struct Fate {
     way: u32,
     reflects_s: bool,

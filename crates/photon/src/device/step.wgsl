@@ -322,7 +322,7 @@ fn free_path(photon: Photon, material: u32, paths: u32, to_boundary: f64) -> Fre
     return shortest;
 }
 
-// What the process needs of a surface: the probabilities of the reflections of the unified model, the value, 4 pi times the roughness,
+// The properties of a surface for the process: the probabilities of the reflections of the unified model, the value, 4 pi times the roughness,
 // whether it makes a reflection diffuse, and the place of the properties. Without a surface the interface is smooth.
 struct Finish {
     flags: u32,
