@@ -54,6 +54,7 @@
 //!   incoherent rays", Computer Graphics Forum 27 (2008).
 //! - C. Gribble, K. Ramani, "Coherent ray tracing via stream filtering", Interactive Ray Tracing 2008.
 
+mod breadth;
 mod build;
 mod bundle;
 mod exact;

@@ -42,7 +42,8 @@ impl Child {
     /// Marks a box that is not in use.
     pub const NONE: Child = Child(u32::MAX);
 
-    const MARK: u32 = 1 << 31;
+    /// The bit of leaves.
+    pub const MARK: u32 = 1 << 31;
 
     /// The number of bits for a place, in leaves of up to `LEAF` items.
     const fn place_bits<const LEAF: usize>() -> u32 {

@@ -50,11 +50,6 @@ impl Bvh<1> {
         }
         tree
     }
-
-    /// Appends the items whose boxes the ray passes.
-    pub fn intersected_items(&self, probe: &Probe, out: &mut Vec<u32>) {
-        self.traverse(probe, |item| out.push(item.start as u32));
-    }
 }
 
 impl<const LEAF: usize> Bvh<LEAF> {
@@ -102,7 +97,7 @@ impl<const LEAF: usize> Bvh<LEAF> {
     pub fn traverse(&self, probe: &Probe, mut visit: impl FnMut(Range<usize>)) {
         dispatch!(self.level, simd => {
             let slabs = RaySlabs::new(simd, probe);
-            self.walk(#[inline(always)] |node| slabs.passed(node).0, &mut visit);
+            self.walk(0, #[inline(always)] |node| slabs.passed(node).0, &mut visit);
         });
     }
 
@@ -112,15 +107,20 @@ impl<const LEAF: usize> Bvh<LEAF> {
         let meets = |planes: [f32; 6]| {
             (0..3).all(|axis| planes[axis] <= other.hi[axis] && other.lo[axis] <= planes[axis + 3])
         };
-        self.walk(|node| node.mask(meets), &mut visit);
+        self.walk(0, |node| node.mask(meets), &mut visit);
     }
 
-    /// Depth-first traversal. `hits` returns the boxes of a node to be visited, as a bit mask.
+    /// Depth-first traversal from a node on. `hits` returns the boxes of a node to be visited, as a bit mask.
     #[inline(always)]
-    fn walk(&self, hits: impl Fn(&Node32) -> u32, visit: &mut impl FnMut(Range<usize>)) {
-        let Some(mut node) = self.nodes.first() else { return };
+    pub(crate) fn walk(
+        &self,
+        from: u32,
+        hits: impl Fn(&Node32) -> u32,
+        visit: &mut impl FnMut(Range<usize>),
+    ) {
+        let Some(mut node) = self.nodes.get(from as usize) else { return };
         let mut open = [(0u32, 0u32); DEPTH];
-        let (mut depth, mut at, mut left) = (0, 0, hits(node));
+        let (mut depth, mut at, mut left) = (0, from, hits(node));
         loop {
             while left == 0 {
                 if depth == 0 {
