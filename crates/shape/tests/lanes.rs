@@ -243,7 +243,11 @@ fn evaluate<S: Simd>(
         .map(|pair| {
             let ends: [Lanes<S>; 2] =
                 [Lanes::from_fn(simd, |k| pair[k].0), Lanes::from_fn(simd, |k| pair[k].1)];
-            ray.may_coincide(ends[0], ends[1], limits).to_bitmask()
+            let may_coincide = ray.may_coincide(ends[0], ends[1], limits);
+            let longest = ray.longest_coincident(ends[0].abs().max(ends[1].abs()), limits);
+            let is_longer = (ends[1] - ends[0]).simd_gt(longest);
+            assert!(!(is_longer & may_coincide).any_true(), "{pair:?} {longest:?}");
+            may_coincide.to_bitmask()
         })
         .collect();
     LaneResults {

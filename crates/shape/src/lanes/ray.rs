@@ -142,6 +142,21 @@ impl<S: Simd> LaneRay<S> {
         plane | round | far
     }
 
+    /// A length of pieces above which [`LaneRay::may_piece_coincide`] is false; +inf if there is none.
+    #[inline(always)]
+    pub fn longest_coincident(&self, latest: Lanes<S>, limits: &LaneLimits) -> Lanes<S> {
+        let lengths = self.lengths_at(latest);
+        let delta = lengths * delta_of(1.0);
+        let size = lengths * (2.0 * limits.bend) + limits.largest_radius + delta * 4.0;
+        let square = if limits.is_spherical { self.square } else { self.slow_square };
+        let plane = delta * (8.0 / SLOW) / self.speed;
+        let round = (delta * size * 64.0 / square).sqrt();
+        let infinity = splat(self.speed.simd, f64::INFINITY);
+        let far = (self.lengths * FAR).simd_lt(lengths);
+        // the factor covers the rounding of this and of the test
+        far.select(infinity, plane.max(round) * (1.0 + 1e-9))
+    }
+
     /// Sum of the lengths that determine the tolerance at a time.
     #[inline(always)]
     pub(super) fn lengths_at(&self, t: Lanes<S>) -> Lanes<S> {

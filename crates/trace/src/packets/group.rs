@@ -9,7 +9,7 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_model::{Rays, Window};
 use rayweave_shape::lanes::{
-    LANES, LaneFacet, LaneRay, LaneSpan, LaneStarts, Lanes, Mask, Uncertain, Vec3Lanes, splat,
+    LANES, LaneFacet, LaneLimits, LaneRay, LaneSpan, LaneStarts, Lanes, Mask, Uncertain, Vec3Lanes, splat,
 };
 
 /// One number per ray, in memory.
@@ -193,16 +193,44 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
         let limits = &plan.model.limits;
         let (origin, direction) = (load(simd, rays.origins, at), load(simd, rays.directions, at));
         let (ray, mut uncertain) = LaneRay::new(simd, origin, direction, limits);
-        let from = splat(simd, window.t_min());
-        if !self.find_spans(plan, &ray, None, (from, window.t_max()), &mut uncertain) {
+        self.run_ready(plan, (&ray, &mut uncertain), limits, window, first)
+    }
+
+    /// All changes of rays in the frame of a plan, as a separate function: see [`BundleEvaluation::run_ready`].
+    pub fn run_copies(
+        &mut self,
+        plan: &Plan,
+        ray: (&LaneRay<S>, &mut Uncertain<S>),
+        limits: &LaneLimits,
+        window: Window,
+    ) -> Found {
+        let simd = self.simd;
+        simd.vectorize(
+            #[inline(always)]
+            || self.run_ready(plan, ray, limits, window, false),
+        )
+    }
+
+    /// Finds the changes of rays in the frame of a plan, whose surfaces have these limits.
+    #[inline(always)]
+    fn run_ready(
+        &mut self,
+        plan: &Plan,
+        (ray, uncertain): (&LaneRay<S>, &mut Uncertain<S>),
+        limits: &LaneLimits,
+        window: Window,
+        first: bool,
+    ) -> Found {
+        let from = splat(self.simd, window.t_min());
+        if !self.find_spans(plan, ray, None, (from, window.t_max()), uncertain) {
             self.no_changes();
             return Found { uncertain: uncertain.always.to_bitmask(), most: 0, starts: [0.0; LANES] };
         }
-        if let Some(found) = self.remainder(plan, &ray, (from, window.t_max()), first, &uncertain) {
+        if let Some(found) = self.remainder(plan, (ray, limits), (from, window.t_max()), first, uncertain) {
             return found;
         }
-        let most = self.changes(plan, from, window.t_max(), first, &mut uncertain);
-        let unsure = self.unsure(plan, &ray, most, &uncertain);
+        let most = self.changes(plan, from, window.t_max(), first, uncertain);
+        let unsure = self.unsure((ray, limits), most, uncertain);
         self.list(most, first);
         Found { uncertain: unsure, most, starts: self.starts_after(plan, window) }
     }
@@ -213,7 +241,7 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
     fn remainder(
         &mut self,
         plan: &Plan,
-        ray: &LaneRay<S>,
+        (ray, limits): (&LaneRay<S>, &LaneLimits),
         (from, t_max): (Lanes<S>, f64),
         first: bool,
         uncertain: &Uncertain<S>,
@@ -238,7 +266,7 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
             let (low, high) = (Lanes::load_array_ref(simd, &self.memory.face.0) + WHOLE).to_bits().split();
             let numbers = low.narrow(high).bitcast::<fearless_simd::i32x8<S>>();
             numbers.store_array(&mut self.memory.numbers[0]);
-            let unsure = self.unsure_of_first(plan, ray, uncertain);
+            let unsure = self.unsure_of_first((ray, limits), uncertain);
             return Some(Found { uncertain: unsure, most: 2, starts: self.memory.inside.0 });
         }
         let mut most = 2 * shape.count;
@@ -251,15 +279,15 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
             let number = ((low.narrow(high) + 1) & NUMBER as u32) - 1;
             number.bitcast::<fearless_simd::i32x8<S>>().store_array(numbers);
         }
-        let unsure = tied | self.unsure_of_all(plan, ray, shape, most, uncertain);
+        let unsure = tied | self.unsure_of_all((ray, limits), shape, most, uncertain);
         Some(Found { uncertain: unsure, most, starts: self.starts_of(plan, from) })
     }
 
     /// The lanes whose first two changes are uncertain.
     #[inline(always)]
-    fn unsure_of_first(&self, plan: &Plan, ray: &LaneRay<S>, uncertain: &Uncertain<S>) -> u64 {
+    fn unsure_of_first(&self, (ray, limits): (&LaneRay<S>, &LaneLimits), uncertain: &Uncertain<S>) -> u64 {
         let (a, b) = (self.time(0), self.time(1));
-        let close = uncertain.grazes | ray.may_coincide(a, b, &plan.model.limits);
+        let close = uncertain.grazes | ray.may_coincide(a, b, limits);
         (uncertain.always | (close & b.simd_lt(f64::INFINITY))).to_bitmask()
     }
 
@@ -267,8 +295,7 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
     #[inline(always)]
     fn unsure_of_all(
         &self,
-        plan: &Plan,
-        ray: &LaneRay<S>,
+        (ray, limits): (&LaneRay<S>, &LaneLimits),
         shape: &Remainder,
         most: usize,
         uncertain: &Uncertain<S>,
@@ -277,7 +304,6 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
         if most < 2 {
             return unsure.to_bitmask();
         }
-        let limits = &plan.model.limits;
         let is_piece = |b: Lanes<S>| b.simd_lt(f64::INFINITY);
         unsure |= uncertain.grazes & is_piece(self.time(1));
         let shortest = Lanes::load_array_ref(self.simd, &self.memory.shortest.0);
@@ -330,12 +356,16 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
 
     /// The lanes whose changes are uncertain.
     #[inline(always)]
-    fn unsure(&self, plan: &Plan, ray: &LaneRay<S>, most: usize, uncertain: &Uncertain<S>) -> u64 {
+    fn unsure(
+        &self,
+        (ray, limits): (&LaneRay<S>, &LaneLimits),
+        most: usize,
+        uncertain: &Uncertain<S>,
+    ) -> u64 {
         let mut unsure = uncertain.always;
         if most < 2 {
             return unsure.to_bitmask();
         }
-        let limits = &plan.model.limits;
         let is_piece = |b: Lanes<S>| b.simd_lt(f64::INFINITY);
         unsure |= uncertain.grazes & is_piece(self.key(1));
         let (mut shortest, mut latest) = (splat(self.simd, f64::INFINITY), self.key(0).abs());
@@ -367,7 +397,8 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
     fn run_from_here(&mut self, plan: &Plan, rays: Rays<'_>, at: usize, begin: &Begin, first: bool) -> Found {
         let simd = self.simd;
         let (origin, direction) = (load(simd, rays.origins, at), load(simd, rays.directions, at));
-        let (ray, mut uncertain) = LaneRay::new(simd, origin, direction, &plan.model.limits);
+        let limits = &plan.model.limits;
+        let (ray, mut uncertain) = LaneRay::new(simd, origin, direction, limits);
         let starts = LaneStarts {
             surface: Lanes::load_array_ref(simd, &begin.surface.0),
             inside: Mask::from_bitmask(simd, begin.inside),
@@ -378,11 +409,11 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
             let uncertain = uncertain.always.to_bitmask() | begin.uncertain;
             return Found { uncertain, most: 0, starts: [0.0; LANES] };
         }
-        if let Some(found) = self.remainder(plan, &ray, (from, begin.t_max), first, &uncertain) {
+        if let Some(found) = self.remainder(plan, (&ray, limits), (from, begin.t_max), first, &uncertain) {
             return Found { uncertain: found.uncertain | begin.uncertain, ..found };
         }
         let most = self.changes(plan, from, begin.t_max, first, &mut uncertain);
-        let uncertain = self.unsure(plan, &ray, most, &uncertain) | begin.uncertain;
+        let uncertain = self.unsure((&ray, limits), most, &uncertain) | begin.uncertain;
         self.list(most, first);
         Found { uncertain, most, starts: self.starts(plan, from) }
     }

@@ -25,7 +25,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd};
 use group::{BundleEvaluation, Found, Memory, Row, WHOLE, load};
 use normal::Hits;
-use objects::{First, Objects, Walk};
+use objects::{CopiesScratch, First, Objects, Walk};
 use plan::{APART, Common, Plan, SMALL};
 use rayweave_bvh::BundleTraversal;
 use rayweave_model::{
@@ -40,6 +40,9 @@ use std::sync::Arc;
 /// Number of span comparisons above which the weave computes lists of crossings faster than a plan of the
 /// whole model.
 const TOGETHER: usize = 256;
+
+/// Number of rays after which copies of solids are left to the weave if most of these rays were.
+const FIRST_RAYS: usize = 16;
 
 /// The default evaluator: eight rays at a time where lanes are certain, [`Weave`] for the rest.
 ///
@@ -62,6 +65,7 @@ pub struct PacketsScratch {
     memory: Option<Box<Memory>>,
     ahead: [BundleTraversal; 2],
     walk: Walk,
+    copies: CopiesScratch,
     crossings: Vec<Crossing>,
 }
 
@@ -92,6 +96,39 @@ impl Packets {
             objects.filter(|objects| comparisons > SMALL || (comparisons > APART && objects.count() > 1));
         let plan = plan.filter(|_| comparisons <= TOGETHER);
         Packets { plan: plan.map(Box::new), objects, layers, weave: Weave::new(program), level }
+    }
+
+    /// All crossings of rays with copies of solids.
+    fn among_copies(
+        &self,
+        objects: &Objects,
+        rays: Rays<'_>,
+        query: &Query<'_>,
+        scratch: &mut PacketsScratch,
+        mut answer: impl FnMut(RayAnswer<'_>),
+    ) {
+        let Some(level) = self.level else { return };
+        let PacketsScratch { weave, memory, copies, crossings, .. } = scratch;
+        let memory = memory.get_or_insert_default();
+        // where copies overlap, the search in lanes is in vain
+        let (mut traced, mut uncertain) = (0, 0);
+        for ray in 0..rays.len() {
+            let line = (rays.get(ray), query.window);
+            let start = match 2 * uncertain > traced + FIRST_RAYS {
+                true => None,
+                false => dispatch_wide!(level, simd => {
+                    objects.list((simd, &mut *memory), &self.weave, line, copies, crossings)
+                }),
+            };
+            traced += 1;
+            match start {
+                Some(start) => answer(RayAnswer { ray, start, crossings }),
+                None => {
+                    uncertain += 1;
+                    one_by_one(&self.weave, rays, ray, query, weave, &mut answer);
+                }
+            }
+        }
     }
 
     /// True if the model is traced in lanes of eight rays.
@@ -556,7 +593,12 @@ impl Evaluator for Packets {
         sink: &mut dyn Sink,
     ) {
         let (Some(level), Some(plan)) = (self.level, &self.plan) else {
-            return self.weave.crossings(rays, query, &mut scratch.weave, sink);
+            return match self.objects.as_deref().filter(|objects| objects.has_copies()) {
+                Some(objects) if query.limit == Limit::All && query.starts.is_none() => {
+                    self.among_copies(objects, rays, query, scratch, |answer| sink.ray(answer));
+                }
+                _ => self.weave.crossings(rays, query, &mut scratch.weave, sink),
+            };
         };
         // the first change of region may leave the medium unchanged
         let first = query.limit == Limit::First && plan.is_plain;
@@ -573,10 +615,17 @@ impl Evaluator for Packets {
         scratch: &mut PacketsScratch,
         rows: &mut HitArrayRows<'_, '_>,
     ) -> usize {
-        let (Some(level), Some(plan)) = (self.level, &self.plan) else {
-            return self.weave.hits(rays, window, &mut scratch.weave, rows);
-        };
         let query = Query { window, ..Query::default() };
+        let (Some(level), Some(plan)) = (self.level, &self.plan) else {
+            let Some(objects) = self.objects.as_deref().filter(|objects| objects.has_copies()) else {
+                return self.weave.hits(rays, window, &mut scratch.weave, rows);
+            };
+            let (program, mut most) = (self.weave.program(), 0);
+            self.among_copies(objects, rays, &query, scratch, |answer| {
+                most = most.max(rows.put(program, &answer));
+            });
+            return most;
+        };
         let mut memory = scratch.memory.take().unwrap_or_default();
         let mut take = Arrays { weave: &self.weave, rays, query, scratch, rows, most: 0 };
         dispatch_wide!(level, simd => run(simd, plan, &mut memory, rays, &query, false, &mut take));

@@ -8,13 +8,16 @@
 
 mod boxes;
 mod cells;
+mod copies;
 mod crowd;
 mod sliver;
 mod within;
 
+pub(super) use copies::CopiesScratch;
 pub(super) use within::Walk;
 
 use self::cells::Cells;
+use self::copies::Copies;
 use super::carved::{Bundled, Carved};
 use super::group::{BundleEvaluation, Row, load};
 use super::normal::Hits;
@@ -54,6 +57,8 @@ pub(super) struct Objects {
     /// The unit gradients of the faces of placed solids whose faces are planes.
     units: Vec<Vec3>,
     box_cells: Option<BoxCells>,
+    /// For lists of crossings, if most solids are copies.
+    copies: Option<Copies>,
 }
 
 /// One of the solids.
@@ -155,7 +160,9 @@ impl Objects {
             cells,
             units: Vec::new(),
             box_cells: None,
+            copies: None,
         };
+        found.copies = Copies::new(&found, group.leaves.len(), program.regions().len());
         if is_layered {
             found.cells = Cells::new(program, &found, &bounds, &extents);
             found.find_units(program);

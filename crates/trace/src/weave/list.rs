@@ -62,6 +62,12 @@ impl Weave {
         start
     }
 
+    /// Appends the leaves of the model's own group that the ray can touch in the window.
+    pub(crate) fn candidates(&self, ray: Ray, window: Window, out: &mut Vec<u32>) {
+        let seen = GroupRay::world(&self.program, ray, &[]);
+        self.accel[0].intersected_leaves(&seen, window, out);
+    }
+
     /// Collects the boundary events of the leaves of a group that the ray can touch in the window, sorted by
     /// time, and toggles in `state` the leaves that are inside from the start.
     pub(super) fn gather(

@@ -5,12 +5,12 @@ use crate::arrange::gap;
 use crate::crowd::member;
 use crate::oracle::{Oracle, Setting, levels};
 use crate::{bundles, frame};
-use rayweave_conformance::Random;
 use rayweave_conformance::rays::batch;
+use rayweave_conformance::{Random, scale};
 use rayweave_math::{Affine, Vec3};
-use rayweave_model::{Evaluator, FirstHits, Program, Region, Solid, Window};
+use rayweave_model::{Evaluator, FirstHits, Program, Query, RayAnswer, Region, Solid, Window};
 use rayweave_shape::Ray;
-use rayweave_trace::Packets;
+use rayweave_trace::{Packets, Reference};
 use std::sync::Arc;
 
 /// A map onto or next to a grid point: identity, rotation, reflection, scaling or shear, then a translation.
@@ -96,6 +96,80 @@ fn placed_solids() {
 #[ignore = "long"]
 fn long_placed_solids() {
     check(20_000, 60);
+}
+
+/// Compares all queries on unions of single solids, all of them placed, whose crossings are found in lanes where they are apart.
+fn check_copies(models: u64, least: u64) {
+    let mut oracle = Oracle::new("copies of single solids");
+    for seed in 0..models {
+        let rng = &mut Random::new(9 << 40 | seed);
+        let frame = frame(rng);
+        let kinds = 1 + rng.below(2);
+        let placed = |rng: &mut Random| {
+            let (solid, count) = (member(rng).apply(map(rng)), 1 + rng.below(30));
+            // apart along one axis in half of the models
+            let step = rng.pick(&[0.0, 2.0, 3.0]);
+            let maps = (0..count).map(|k| map(rng).then(&Affine::translate(step * k as f64 * Vec3::Y)));
+            solid.place(maps.collect::<Vec<_>>())
+        };
+        let solid = Solid::union((0..kinds).map(|_| placed(rng)).collect::<Vec<_>>()).apply(frame);
+        let region = Region { name: "copies".into(), solid, medium: 1 };
+        let target = |rng: &mut Random| {
+            let axis = rng.below(3);
+            let (normal, along) = (Vec3::AXES[axis], Vec3::AXES[(axis + 1) % 3]);
+            let point = map(rng).point(0.5 * normal + rng.pick(&[0.0, 0.5, 0.1]) * along);
+            Target::new(point, normal, along)
+        };
+        let targets: Vec<Target> = (0..8).map(|_| target(rng)).collect();
+        let mut rays = bundles(rng, &targets, 32);
+        rays.extend((0..16).map(|_| aimed(rng, &targets)));
+        let rays = rays.into_iter().map(|ray| ray.transformed(&frame)).collect();
+        let Some(setting) = Setting::new(vec![region], rays, format!("copies {seed}")) else { continue };
+        oracle.everything(&setting, rng, &levels());
+    }
+    oracle.finish(models * least);
+}
+
+#[test]
+fn copies_of_single_solids() {
+    check_copies(100, 60);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_copies_of_single_solids() {
+    check_copies(20_000, 60);
+}
+
+/// All crossings of rays with a lattice of separate dice, from outside and from within, are found without the weave.
+#[test]
+fn crossings_with_separate_copies_are_found_in_lanes() {
+    let program = Arc::new(Program::compile(&scale::lattice(216)).expect("a legal model"));
+    let packets = Packets::new(program.clone());
+    let rng = &mut Random::new(3);
+    let ray = |rng: &mut Random, from: f64| {
+        let (from, to) = (from * rng.direction(), rng.point(1.0));
+        Ray::new(from, (to - from).normalize())
+    };
+    let rays: Vec<Ray> = (0..400).map(|k| ray(rng, [3.0, 0.5][k % 2])).collect();
+    let (mut scratch, mut count) = (packets.scratch(), 0);
+    let mut most = 0;
+    let query = Query { window: Window::new(0.0, 5.0).expect("a window"), ..Query::default() };
+    packets.crossings(batch(&rays).rays(), &query, &mut scratch, &mut |answer: RayAnswer<'_>| {
+        count += answer.crossings.len();
+        most = most.max(answer.crossings.len());
+    });
+    assert!(count > 10 * rays.len() / 2 && most > 20, "{count}, {most}");
+    let expected = Reference::new(program);
+    let mut other = 0;
+    expected.crossings(batch(&rays).rays(), &query, &mut expected.scratch(), &mut |answer: RayAnswer<'_>| {
+        other += answer.crossings.len();
+    });
+    assert_eq!(count, other);
+    if packets.uses_lanes() {
+        // one ray would intersect ten dice of five leaves
+        assert!(scratch.fallback_leaf_count() < 200, "{}", scratch.fallback_leaf_count());
+    }
 }
 
 /// Number of leaves that the weave intersects for the first hits of rays.
