@@ -6,7 +6,7 @@ use crate::{
 use rayweave_math::Vec3;
 use rayweave_math::roots::Crossings;
 use rayweave_shape::Ray;
-use rayweave_shape::surface::{Chord, Perturbation, SurfaceCrossings};
+use rayweave_shape::surface::{Chord, Perturbation, Surface, SurfaceCrossings};
 
 /// A boundary event: a change of side of one leaf of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,6 +118,20 @@ impl<'a> GroupRay<'a> {
         if facet.inside() { crossings } else { crossings.map(Crossings::negated) }
     }
 
+    /// The crossing of a facet in a plane: true if the ray starts inside the facet, and the time. `None` for any other facet, and
+    /// if the ray may lie in the plane, start on it, or be parallel to it.
+    #[inline]
+    fn crossing_of_plane(&self, program: &Program, facet: LeafFacet) -> Option<(bool, f64)> {
+        let entry = program.surface(facet.surface());
+        let Surface::Plane(plane) = &entry.surface else { return None };
+        let magnitude = entry.magnitude + self.magnitude;
+        if !self.starts.is_empty() || self.chord.may_lie_in_plane(plane, magnitude) {
+            return None;
+        }
+        let crossings = plane.crossings(&self.ray);
+        crossings.times().first().map(|&t| (crossings.starts_negative() == facet.inside(), t))
+    }
+
     /// The crossings of the perturbed ray if the ray lies in the surface.
     fn crossings_in(&self, entry: &SurfaceEntry) -> Option<SurfaceCrossings> {
         self.chord.crossings_in(&entry.surface, entry.magnitude + self.magnitude, &self.ray)
@@ -156,19 +170,26 @@ pub fn leaf_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, even
     events.starts_inside = false;
     let (mut enter, mut leave) = ((f64::NEG_INFINITY, 0u32), (f64::INFINITY, 0u32));
     for (k, &facet) in facets.iter().enumerate() {
-        let Some(crossings) = ray.crossings(program, facet) else {
-            return general_events(program, facets, ray, events);
-        };
-        match (crossings.starts_negative(), crossings.times()) {
-            (true, []) => {}
-            (false, []) => return,
-            (true, &[t]) => leave = earlier(leave, (t, k as u32)),
-            (false, &[t]) => enter = later(enter, (t, k as u32)),
-            (false, &[a, b]) => {
-                enter = later(enter, (a, k as u32));
-                leave = earlier(leave, (b, k as u32));
+        // planes, which most leaves have several of, without the list of crossings
+        match ray.crossing_of_plane(program, facet) {
+            Some((true, t)) => leave = earlier(leave, (t, k as u32)),
+            Some((false, t)) => enter = later(enter, (t, k as u32)),
+            None => {
+                let Some(crossings) = ray.crossings(program, facet) else {
+                    return general_events(program, facets, ray, events);
+                };
+                match (crossings.starts_negative(), crossings.times()) {
+                    (true, []) => {}
+                    (false, []) => return,
+                    (true, &[t]) => leave = earlier(leave, (t, k as u32)),
+                    (false, &[t]) => enter = later(enter, (t, k as u32)),
+                    (false, &[a, b]) => {
+                        enter = later(enter, (a, k as u32));
+                        leave = earlier(leave, (b, k as u32));
+                    }
+                    _ => return general_events(program, facets, ray, events),
+                }
             }
-            _ => return general_events(program, facets, ray, events),
         }
         // the interval is open: it is empty once it shrinks to a point
         if enter.0 >= leave.0 {

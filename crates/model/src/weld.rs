@@ -152,10 +152,16 @@ impl<'a, T: Trajectory> Weld<'a, T> {
         let face =
             attribute(self.events, change.first..change.end, change.end, leaves, medium_state(self.program));
         let (t, here) = (change.t, (change.t, face));
-        let quiet = self.quiet.take().filter(|quiet| self.welded(quiet.tail, here));
-        if let Some(run) = self.pending.filter(|run| self.welded((run.t, run.face), here)) {
+        let quiet = match &self.quiet {
+            None => None,
+            Some(_) => self.quiet.take().filter(|quiet| self.welded(quiet.tail, here)),
+        };
+        // by reference: a run is large, and nearly all are single changes
+        if let Some(run) = &self.pending
+            && self.welded((run.t, run.face), here)
+        {
             let Change { end, after, .. } = change;
-            self.pending = Some(Run { end, after, t, face, single: false, tail: here, ..run });
+            self.pending = Some(Run { end, after, t, face, single: false, tail: here, ..*run });
             return None;
         }
         let (first, before) =
@@ -206,28 +212,36 @@ impl<'a, T: Trajectory> Weld<'a, T> {
     }
 
     /// The crossing of a complete run; `None` if the medium is the same before and after.
+    #[inline]
     fn report(&self, run: &Run, position: usize, leaves: &mut impl LeafStates) -> Option<Crossing> {
-        let Run { first, end, before, after, .. } = *run;
+        let Run { first, end, before, after, t, face, .. } = *run;
         if before.medium == after.medium {
             return None;
         }
-        let alone = end - first == 1;
-        let face = match alone || run.single {
+        if end - first == 1 {
+            let (before, after) = (before.region, after.region);
+            return Some(Crossing { t, face, left: face, entered: face, before, after });
+        }
+        Some(self.report_several(run, position, leaves))
+    }
+
+    /// The crossing of a complete run of several events.
+    fn report_several(&self, run: &Run, position: usize, leaves: &mut impl LeafStates) -> Crossing {
+        let Run { first, end, before, after, .. } = *run;
+        let face = match run.single {
             true => run.face,
             false => attribute(self.events, first..end, position, leaves, medium_state(self.program)),
         };
         // a region that continues below the other one, or ended before, is left or entered at the same face
-        let mut of_region = |region: RegionId| match alone || region == RegionId(0) {
-            true => face,
-            false => {
-                responsible(self.events, first..end, position, leaves, region_state(region)).unwrap_or(face)
-            }
+        let mut of_region = |region: RegionId| match region {
+            RegionId(0) => face,
+            _ => responsible(self.events, first..end, position, leaves, region_state(region)).unwrap_or(face),
         };
         let (mut left, mut entered) = (of_region(before.region), of_region(after.region));
         if before.region == RegionId(0) || after.region == RegionId(0) {
             (left, entered) = (face, face);
         }
-        Some(Crossing { t: run.t, face, left, entered, before: before.region, after: after.region })
+        Crossing { t: run.t, face, left, entered, before: before.region, after: after.region }
     }
 }
 
@@ -237,6 +251,7 @@ impl<'a, T: Trajectory> Weld<'a, T> {
 /// because the states before and after differ. Leaves that cannot matter here never do, so the result is the
 /// same whether or not an evaluator includes them.) `leaves` has `position` events applied, at least those up
 /// to the end of the range, and is restored.
+#[inline]
 pub fn attribute<F: LeafStates>(
     events: &[Event],
     range: Range<usize>,
@@ -329,5 +344,8 @@ fn region_state<F: LeafStates>(region: RegionId) -> impl Fn(&mut F) -> u32 {
 /// A world ray in the frame of a placement, by the same steps as in evaluators, and the length to add to the
 /// magnitude of surfaces there: see [`carried`].
 pub fn local_ray(program: &Program, ray: &Ray, placement: PlacementId) -> (Ray, f64) {
+    if placement == PlacementId(0) {
+        return (*ray, 0.0);
+    }
     program.descend(placement).fold((*ray, 0.0), |(ray, magnitude), place| carried(&place, &ray, magnitude))
 }

@@ -176,6 +176,7 @@ impl Network {
     }
 
     /// Writes a node's new value to the outputs that it feeds.
+    #[inline]
     fn feed(&self, output_set: &mut OutputSet, node: u32, inside: bool) {
         if self.feeds.any(node) {
             for &(output, complemented) in self.feeds.of(node) {
@@ -185,6 +186,7 @@ impl Network {
     }
 
     /// Increments or decrements the count of a gate; `Some(value)` if that changes the value of the gate.
+    #[inline]
     fn count(&self, counts: &mut [u32], gate: u32, operand_inside: bool) -> Option<bool> {
         let index = (gate - self.leaf_count) as usize;
         let (rule, before) = (self.rules[index], counts[index]);
@@ -195,6 +197,7 @@ impl Network {
     }
 
     /// Propagates a change upwards in a tree, where every node has at most one user.
+    #[inline]
     fn climb(&self, state: &mut NetworkState, mut node: u32, mut inside: bool) {
         loop {
             self.feed(&mut state.output_set, node, inside);

@@ -28,6 +28,7 @@ impl Plane {
     /// One root at `(c - n.o) / (n.d)`, with this order of operations for every solid with this plane. A ray that is parallel
     /// to the plane up to rounding (see `certain_dot` in `along.rs`) has none, and stays on the side of its origin. The lane
     /// form is in `lanes/facet.rs`; both give the same bits, tested by `tests/lanes.rs`.
+    #[inline]
     pub fn crossings(&self, ray: &Ray) -> Crossings<1> {
         let height = self.offset - self.normal.dot(ray.origin);
         let speed = certain_dot(self.normal, ray.direction);

@@ -1,7 +1,7 @@
 //! Tolerances and in-surface rays: the distance [`delta`] within which a point is *on* a surface, the test for rays *in* a
 //! surface ([`coincides_along`]), and the crossings of such rays by symbolic perturbation.
 
-use super::{Surface, SurfaceCrossings};
+use super::{Plane, Surface, SurfaceCrossings};
 use crate::Ray;
 use rayweave_math::{Affine, Mat3, PERTURBATION_DIRECTION, UNIT_ROUNDOFF, Vec3};
 
@@ -75,6 +75,9 @@ pub fn coincides_along(surface: &Surface, magnitude: f64, ray: &Ray, a: f64, b: 
     if let Some(coincides) = surface.coincident_faces(magnitude, ray, a, b) {
         return coincides;
     }
+    if is_off(surface, magnitude, ray, 0.5 * (a + b)) {
+        return false;
+    }
     let near = |t: f64| {
         let (value, slope) = surface.value_and_slope(ray.at(t));
         is_near(value, slope, delta(magnitude, ray, t), bend(surface))
@@ -86,6 +89,21 @@ pub fn coincides_along(surface: &Surface, magnitude: f64, ray: &Ray, a: f64, b: 
         middle - surface.value_and_gradient(ray.at(middle)).1.dot(rate) / rate.length_squared()
     };
     coincides_between(near, start, surface.degree(), shortest, a, b)
+}
+
+/// True only if the point of the ray at a time fails [`is_near`]. No square roots: it rejects nearly every piece of every ray.
+///
+/// `delta` is computed from taxicab lengths, which are not shorter; `(a + b)^2 <= 2 (a^2 + b^2)`, and 4 leaves room for
+/// rounding. False for surfaces of a degree above 2, which have a test of their own.
+fn is_off(surface: &Surface, magnitude: f64, ray: &Ray, t: f64) -> bool {
+    if surface.degree() > 2 {
+        return false;
+    }
+    let (value, gradient) = surface.value_and_gradient(ray.at(t));
+    let taxicab = |v: Vec3| v.abs().element_sum();
+    let delta = delta_of(taxicab(ray.origin) + t.abs() * taxicab(ray.direction) + magnitude);
+    let bent = delta * bend(surface);
+    value * value > 4.0 * delta * delta * (gradient.length_squared() + bent * bent)
 }
 
 /// True if a point with this value of f and length of the gradient is within `delta` of the surface:
@@ -196,11 +214,24 @@ impl Chord {
         }
         // fast path: one evaluation, without a square root, rejects nearly every ray
         let (value, gradient) = surface.value_and_gradient(self.middle);
-        let delta = self.delta + delta_of(magnitude);
-        let bent = delta * bend(surface);
-        // implied by `is_near`, since (a + b)^2 <= 2 (a^2 + b^2)
-        value * value <= 2.0 * delta * delta * (gradient.length_squared() + bent * bent)
+        self.may_be_near((value, gradient), bend(surface), magnitude)
             && coincides_along(surface, magnitude, ray, self.ends.0, self.ends.1)
+    }
+
+    /// False only if the ray does not lie in the plane along the whole chord.
+    #[inline]
+    pub fn may_lie_in_plane(&self, plane: &Plane, magnitude: f64) -> bool {
+        let (value, gradient) = plane.value_and_gradient(self.middle.into());
+        self.may_be_near((value, gradient.into()), 0.0, magnitude)
+    }
+
+    /// False only if the middle of the chord, where f has this value and gradient, fails [`is_near`]: implied by it, since
+    /// (a + b)^2 <= 2 (a^2 + b^2).
+    #[inline]
+    fn may_be_near(&self, (value, gradient): (f64, Vec3), bend: f64, magnitude: f64) -> bool {
+        let delta = self.delta + delta_of(magnitude);
+        let bent = delta * bend;
+        value * value <= 2.0 * delta * delta * (gradient.length_squared() + bent * bent)
     }
 
     /// The crossings of a ray that lies in the surface along the whole chord, by symbolic perturbation; `None` for any

@@ -10,7 +10,7 @@ use rayweave_model::{
 use rayweave_shape::Ray;
 
 /// Number of leaves whose data fit the processor's nearest caches.
-const CACHED: usize = 2000;
+const CACHED: usize = 16_000;
 
 /// A query of a group.
 #[derive(Clone, Copy)]
