@@ -378,6 +378,37 @@ mod tests {
         assert!(cleared > 5000 && near > 1000, "{cleared} cleared, {near} not");
     }
 
+    /// Points at distances about the tolerance from surfaces of all sizes: the test without square roots rejects none that is near,
+    /// and all that are ten tolerances away.
+    #[test]
+    fn points_near_a_surface_are_never_off() {
+        let mut rng = ChaCha8Rng::seed_from_u64(9);
+        let (mut near, mut off) = (0, 0);
+        for round in 0..30_000 {
+            let size = [1e-60, 1e-6, 1.0, 1e7, 1e60][round % 5];
+            let surfaces = surfaces(size);
+            let surface = &surfaces[round % surfaces.len()];
+            let magnitude = surface.magnitude();
+            let mut vector = || Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
+            let ray = Ray::new(3.0 * size * vector(), vector());
+            let Some(&root) = surface.crossings(&ray).times().first() else { continue };
+            let steps = delta(magnitude, &ray, root) / ray.direction.length();
+            let t = root + libm::pow(10.0, rng.random_range(-1.0..3.0)) * steps;
+            let (value, slope) = surface.value_and_slope(ray.at(t));
+            let is_close = |factor: f64| {
+                is_near(value, slope, factor * delta(magnitude, &ray, t), factor * bend(surface))
+            };
+            if is_close(1.0) {
+                near += 1;
+                assert!(!is_off(surface, magnitude, &ray, t), "{surface:?} {ray:?} {t}");
+            } else if !is_close(10.0) && surface.degree() <= 2 {
+                off += 1;
+                assert!(is_off(surface, magnitude, &ray, t), "{surface:?} {ray:?} {t}");
+            }
+        }
+        assert!(near > 2000 && off > 2000, "{near} near, {off} off");
+    }
+
     /// A ray through a ball is separated from its surface after a millionth of the radius; a ray in a plane never is.
     #[test]
     fn ordinary_rays_separate_from_a_surface_at_once() {

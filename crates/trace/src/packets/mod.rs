@@ -4,8 +4,9 @@
 //! span is a crossing if the boolean function of the *other* spans at that time makes it one: comparisons and
 //! masks, no sweep and no branch. The number of comparisons grows with the square of the number of leaves. For
 //! first hits, larger models are therefore decomposed if they are unions of solids, placed or not, each of
-//! which is small or carved (`carved`); [`Weave`] traces all others. It also traces each ray whose lane is
-//! uncertain: two events occur at the same time, two crossings are so close that they may have to be welded,
+//! which is small or carved (`carved`). All crossings with a union of placed solids are found ray by ray, with
+//! eight copies of a solid in the lanes (`objects/copies`). [`Weave`] traces all other models. It also traces each
+//! ray whose lane is uncertain: two events occur at the same time, two crossings are so close that they may have to be welded,
 //! or the ray may lie in a face.
 
 mod carved;
@@ -26,7 +27,7 @@ use fearless_simd::{Level, Simd};
 use group::{BundleEvaluation, Found, Memory, Row, WHOLE, load};
 use normal::Hits;
 use objects::{CopiesScratch, First, Objects, Walk};
-use plan::{APART, Common, Plan, SMALL};
+use plan::{APART, Common, LARGE, Plan, SMALL};
 use rayweave_bvh::BundleTraversal;
 use rayweave_model::{
     BoxCells, Crossing, Evaluator, Face, FirstHits, HitArrayRows, Limit, Program, Query, RayAnswer, Rays,
@@ -55,6 +56,8 @@ pub struct Packets {
     objects: Option<Arc<Objects>>,
     /// For rays that may start inside.
     layers: Option<Arc<Objects>>,
+    /// For all crossings with copies of solids.
+    copies: Option<Arc<Objects>>,
     level: Option<WideLevel>,
 }
 
@@ -92,10 +95,14 @@ impl Packets {
         let objects = model.as_ref().filter(|_| comparisons > APART || program.regions().len() > 1);
         let objects = objects.and_then(|model| Objects::new(&program, model)).map(Arc::new);
         let layers = objects.clone().filter(|objects| objects.is_layered());
+        let copies = objects.clone().filter(|objects| plan.is_none() && objects.has_copies());
+        // measured: among more solids, first hits of rays that are far apart take the weave less time
+        let objects = objects.filter(|objects| objects.count() <= LARGE);
         let objects =
             objects.filter(|objects| comparisons > SMALL || (comparisons > APART && objects.count() > 1));
         let plan = plan.filter(|_| comparisons <= TOGETHER);
-        Packets { plan: plan.map(Box::new), objects, layers, weave: Weave::new(program), level }
+        let plan = plan.map(Box::new);
+        Packets { plan, objects, layers, copies, weave: Weave::new(program), level }
     }
 
     /// All crossings of rays with copies of solids.
@@ -133,7 +140,7 @@ impl Packets {
 
     /// True if the model is traced in lanes of eight rays.
     pub fn uses_lanes(&self) -> bool {
-        self.plan.is_some() || self.objects.is_some() || self.layers.is_some()
+        self.plan.is_some() || self.objects.is_some() || self.layers.is_some() || self.copies.is_some()
     }
 }
 
@@ -593,7 +600,7 @@ impl Evaluator for Packets {
         sink: &mut dyn Sink,
     ) {
         let (Some(level), Some(plan)) = (self.level, &self.plan) else {
-            return match self.objects.as_deref().filter(|objects| objects.has_copies()) {
+            return match &self.copies {
                 Some(objects) if query.limit == Limit::All && query.starts.is_none() => {
                     self.among_copies(objects, rays, query, scratch, |answer| sink.ray(answer));
                 }
@@ -617,7 +624,7 @@ impl Evaluator for Packets {
     ) -> usize {
         let query = Query { window, ..Query::default() };
         let (Some(level), Some(plan)) = (self.level, &self.plan) else {
-            let Some(objects) = self.objects.as_deref().filter(|objects| objects.has_copies()) else {
+            let Some(objects) = &self.copies else {
                 return self.weave.hits(rays, window, &mut scratch.weave, rows);
             };
             let (program, mut most) = (self.weave.program(), 0);

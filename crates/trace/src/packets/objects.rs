@@ -22,7 +22,7 @@ use super::carved::{Bundled, Carved};
 use super::group::{BundleEvaluation, Row, load};
 use super::normal::Hits;
 use super::places::{Carried, LinearParts, Step, slabs, unit_gradient, unit_of_plane};
-use super::plan::{Common, LARGE, MAX_SPANS, Plan, SMALL, limits};
+use super::plan::{Common, LARGE, MAX_SPANS, Plan, SMALL, limits, most_solids};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_bvh::{BundleSlabs, BundleTraversal, BundleWindow, ExactBvh};
@@ -286,7 +286,8 @@ impl<'p> Gathered<'p> {
     fn gather(&mut self) -> Option<()> {
         while let Some(within) = self.waiting.pop() {
             // parts of several unions are visited more than once
-            if self.objects.len() + self.waiting.len() > LARGE {
+            if self.objects.len() + self.waiting.len() > most_solids(self.program) || self.parts.len() > LARGE
+            {
                 return None;
             }
             self.take_apart(within)?;

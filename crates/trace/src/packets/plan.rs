@@ -25,6 +25,10 @@ const GATES: usize = 512;
 /// memory.
 pub(super) const LARGE: usize = 1 << 16;
 
+/// Number of leaves of a model of one region, most of them placed solids, above which the weave traces it: copies share their
+/// plans, and take much less memory.
+const MANY: usize = 1 << 17;
+
 /// Number of comparisons above which the solids of a union are intersected one by one for first hits.
 pub(super) const APART: usize = 16;
 
@@ -80,7 +84,14 @@ impl Common {
     /// Tables of a model; `None` if it is too large or has no extent.
     pub fn new(program: &Program) -> Option<Arc<Common>> {
         let group = program.prototype(PrototypeId(0));
-        if group.leaves.len() > LARGE || program.facets().len() > 8 * LARGE || group.ball.radius <= 0.0 {
+        if program.facets().len() > 8 * LARGE || group.ball.radius <= 0.0 {
+            return None;
+        }
+        let is_shape = |&leaf: &u32| matches!(program.leaf(LeafId(leaf)).kind(), LeafKind::Shape { .. });
+        if group.leaves.len() > LARGE
+            && (group.leaves.len() > most_solids(program)
+                || group.leaves.clone().filter(is_shape).count() > LARGE)
+        {
             return None;
         }
         Some(Arc::new(Common {
@@ -89,6 +100,11 @@ impl Common {
             slopes: Slopes::new(program),
         }))
     }
+}
+
+/// Largest number of solids of a model that is traced in lanes.
+pub(super) fn most_solids(program: &Program) -> usize {
+    if program.regions().len() == 1 { MANY } else { LARGE }
 }
 
 /// The boolean difference of the owner with respect to a span.

@@ -10,7 +10,7 @@ use rayweave_conformance::{Random, scale};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::{Evaluator, FirstHits, Program, Query, RayAnswer, Region, Solid, Window};
 use rayweave_shape::Ray;
-use rayweave_trace::{Packets, Reference};
+use rayweave_trace::{Packets, Reference, Weave};
 use std::sync::Arc;
 
 /// A map onto or next to a grid point: identity, rotation, reflection, scaling or shear, then a translation.
@@ -170,6 +170,35 @@ fn crossings_with_separate_copies_are_found_in_lanes() {
         // one ray would intersect ten dice of five leaves
         assert!(scratch.fallback_leaf_count() < 200, "{}", scratch.fallback_leaf_count());
     }
+}
+
+/// The lists of more copies than are traced in lanes for first hits are those of the weave.
+#[test]
+fn lists_of_many_copies() {
+    let program = Arc::new(Program::compile(&scale::lattice(66_000)).expect("a legal model"));
+    let (packets, weave, rng) = (Packets::new(program.clone()), Weave::new(program), &mut Random::new(4));
+    let ray = |rng: &mut Random| {
+        let from = 3.0 * rng.direction();
+        Ray::new(from, rng.point(1.0) - from)
+    };
+    let rays: Vec<Ray> = (0..60).map(|_| ray(rng)).collect();
+    let (mut lists, mut expected) = (Vec::new(), Vec::new());
+    let (rays, query) = (batch(&rays), Query::default());
+    let mut scratch = packets.scratch();
+    packets.crossings(rays.rays(), &query, &mut scratch, &mut |answer: RayAnswer<'_>| {
+        lists.push(answer.crossings.to_vec());
+    });
+    weave.crossings(rays.rays(), &query, &mut weave.scratch(), &mut |answer: RayAnswer<'_>| {
+        expected.push(answer.crossings.to_vec());
+    });
+    assert_eq!(lists, expected);
+    assert!(lists.iter().map(Vec::len).sum::<usize>() > 20 * lists.len());
+    // one ray would intersect 25 dice of five leaves
+    assert!(
+        !packets.uses_lanes() || scratch.fallback_leaf_count() < 500,
+        "{}",
+        scratch.fallback_leaf_count()
+    );
 }
 
 /// Number of leaves that the weave intersects for the first hits of rays.
