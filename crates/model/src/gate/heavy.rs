@@ -177,26 +177,39 @@ impl HeavyPaths {
             let &[user] = network.users_of(this.top) else {
                 return;
             };
-            path = self.count_light(network, state, user, value);
+            match self.count_light(network, state, user, value) {
+                Some(above) => path = above,
+                None => return,
+            }
         }
     }
 
-    /// Updates the count of the gate above the top of a path, and the path of that gate, which it returns.
-    fn count_light(&self, network: &Network, state: &mut NetworkState, user: u32, inside: bool) -> u32 {
+    /// Updates the count of the gate above the top of a path, and the path of that gate, which it returns; `None` if the path as a
+    /// function of its bottom stays the same. Most changes end here, such as those of an operand of a union with another one inside.
+    fn count_light(
+        &self,
+        network: &Network,
+        state: &mut NetworkState,
+        user: u32,
+        inside: bool,
+    ) -> Option<u32> {
         let gate = ((user >> 1) - network.leaf_count) as usize;
         let path = self.path_of[(user >> 1) as usize];
         let light = &mut state.counts[gate];
         *light = if inside ^ (user & 1 == 1) { *light + 1 } else { *light - 1 };
         let function = self.function(network, gate, *light);
         let this = &self.paths[path as usize];
-        let mut k = this.width + self.place_of[gate];
-        state.heavy.trees[(this.tree + k) as usize] = function;
-        while k > 1 {
+        let tree = &mut state.heavy.trees[this.tree as usize..][..2 * this.width as usize];
+        let mut k = (this.width + self.place_of[gate]) as usize;
+        let mut function = function;
+        while std::mem::replace(&mut tree[k], function) != function {
+            if k == 1 {
+                return Some(path);
+            }
             k /= 2;
-            let at = |k: u32| state.heavy.trees[(this.tree + k) as usize];
-            state.heavy.trees[(this.tree + k) as usize] = compose(at(2 * k), at(2 * k + 1));
+            function = compose(tree[2 * k], tree[2 * k + 1]);
         }
-        path
+        None
     }
 }
 

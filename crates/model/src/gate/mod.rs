@@ -18,9 +18,11 @@ use std::collections::BinaryHeap;
 
 pub use output_set::OutputSet;
 
-/// Depth above which trees use heavy paths. A change by counters costs a few nanoseconds per level and one by
-/// heavy paths some hundred in total, so the threshold is not critical.
-const DEEP: u32 = 64;
+/// The mean number of gates above a leaf from which on trees use heavy paths, and the largest number. A change by counters costs a few
+/// nanoseconds per gate, and ends at the first one whose value stays the same; one by heavy paths costs some hundred. So one long
+/// chain does not slow down the changes of many short ones beside it.
+const DEEP: u64 = 64;
+const DEEPEST: u64 = 1024;
 
 /// A boolean network over the leaves of a group, with one or more outputs.
 #[derive(Clone, Debug)]
@@ -330,13 +332,16 @@ impl<'e> Builder<'e> {
         (counts, values)
     }
 
-    fn depth(&self) -> u32 {
-        let mut depth = vec![0u32; self.leaf_count as usize];
-        for gate in 0..self.gates.len() {
-            let below = self.operands(gate).1.iter().map(|&edge| depth[self.number_of(edge) as usize]).max();
-            depth.push(below.unwrap_or(0) + 1);
+    /// True if a tree has so many gates above its leaves that heavy paths are faster than counters.
+    fn is_deep(&self, users: &Users) -> bool {
+        let mut above = vec![0u64; self.leaf_count as usize + self.gates.len()];
+        // users have higher numbers
+        for node in (0..above.len()).rev() {
+            above[node] = users.of(node as u32).first().map_or(0, |user| above[(user >> 1) as usize] + 1);
         }
-        depth.into_iter().max().unwrap_or(0)
+        let leaves = &above[..self.leaf_count as usize];
+        let all: u64 = leaves.iter().sum();
+        all > DEEP * leaves.len() as u64 || leaves.iter().any(|&count| count > DEEPEST)
     }
 
     fn finish(self) -> Network {
@@ -357,8 +362,8 @@ impl<'e> Builder<'e> {
         }
         let feeds = Feeds::new(values.len(), fed);
         let is_tree = matches!(users, Users::One(_));
+        let is_deep = is_tree && self.is_deep(&users);
         let mut initial = NetworkState { counts, output_set, ..NetworkState::default() };
-        let depth = self.depth();
         let mut network = Network {
             rules,
             leaf_count: self.leaf_count,
@@ -370,7 +375,7 @@ impl<'e> Builder<'e> {
         if !is_tree {
             network.layout = Layout::Ordered;
             initial.heavy = heavy::HeavyPathsState::gate_values(&values[self.leaf_count as usize..]);
-        } else if depth > DEEP {
+        } else if is_deep {
             let (paths, state) = HeavyPaths::new(&network, &mut initial.counts, &values);
             network.layout = Layout::Heavy(paths);
             initial.heavy = state;
@@ -451,5 +456,30 @@ mod tests {
     fn deep_chains_use_heavy_paths() {
         let network = Network::new(&random(&mut Stream(7), 300, true, false));
         assert!(matches!(network.layout, Layout::Heavy(_)));
+        assert!(matches!(chain_beside_pairs(DEEPEST as usize + 2, 100_000).layout, Layout::Heavy(_)));
+    }
+
+    /// A chain of alternating operators, and a union of that and many intersections of two leaves.
+    fn chain_beside_pairs(length: usize, pairs: usize) -> Network {
+        let mut formula = Formula::default();
+        let mut all = vec![formula.leaf(LeafId(0))];
+        for k in 1..length {
+            let leaf = formula.leaf(LeafId::from(k));
+            all[0] = formula.join([Op::Union, Op::Intersection][k % 2], &[all[0], leaf]);
+        }
+        for k in 0..pairs {
+            let both = [0, 1].map(|j| formula.leaf(LeafId::from(length + 2 * k + j)));
+            all.push(formula.join(Op::Intersection, &both));
+        }
+        let whole = formula.join(Op::Union, &all);
+        formula.add_output(whole);
+        Network::new(&Expression::new(&share(&formula), length + 2 * pairs))
+    }
+
+    /// As in an outline by cells, of which one has many edges.
+    #[test]
+    fn one_long_chain_beside_many_short_ones_uses_counters() {
+        assert!(matches!(chain_beside_pairs(200, 10_000).layout, Layout::Counters));
+        assert!(matches!(chain_beside_pairs(200, 10).layout, Layout::Heavy(_)));
     }
 }
