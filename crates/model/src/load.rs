@@ -80,26 +80,31 @@ impl RayLoad {
         self.boxes.is_empty()
     }
 
-    /// The mean number of leaves that a ray through a box reaches. Rays that miss a leaf within its box are counted.
+    /// The mean number of leaves that a ray through a box reaches, with as many rays along each axis. Rays that miss a leaf within its
+    /// box are counted.
     pub fn through(&self, bounds: &Bounds) -> f64 {
         let all = cross_sections(bounds);
+        let axes = all.iter().filter(|area| **area > 0.0).count();
         let met = |(own, load): &(Bounds, f64)| {
             let common = own.intersection(bounds);
             match common.is_empty() {
                 true => 0.0,
-                // an unbounded or a flat box
-                false if !(all > 0.0 && all.is_finite()) => *load,
-                false => load * (cross_sections(&common) / all),
+                // an unbounded box, or a line
+                false if axes == 0 || !all.iter().all(|area| area.is_finite()) => *load,
+                false => {
+                    let shares = cross_sections(&common).into_iter().zip(all).filter(|(_, area)| *area > 0.0);
+                    load * shares.map(|(own, area)| own / area).sum::<f64>() / axes as f64
+                }
             }
         };
         self.boxes.iter().map(met).sum()
     }
 }
 
-/// The sum of the areas of the cross-sections of a box along the three axes.
-fn cross_sections(own: &Bounds) -> f64 {
+/// The areas of the cross-sections of a box along the three axes.
+fn cross_sections(own: &Bounds) -> [f64; 3] {
     let size = own.size();
-    size.x * size.y + size.y * size.z + size.z * size.x
+    [size.y * size.z, size.z * size.x, size.x * size.y]
 }
 
 #[cfg(test)]
@@ -125,9 +130,18 @@ mod tests {
         assert!((load(&cube(), &twice) - 0.25).abs() < 1e-9);
         let both = cube() | cube().translate([0.5, 0.0, 0.0]);
         let around = Bounds::new(Vec3::splat(-1.0), Vec3::new(1.5, 1.0, 1.0));
-        // of 2.5 x 2 + 2 x 2 + 2 x 2.5 each has 12
-        assert!((load(&both, &around) - 24.0 / 14.0).abs() < 1e-9);
+        // each along x, and four fifths of the rays along y and z
+        assert!((load(&both, &around) - 2.0 * (1.0 + 0.8 + 0.8) / 3.0).abs() < 1e-9);
         assert_eq!(load(&Solid::empty(), &whole), 0.0);
+    }
+
+    /// A third of the rays is parallel to a row of boxes, however small the cross-section of the row is.
+    #[test]
+    fn rays_along_a_row_reach_all_of_it() {
+        let row = Solid::union((0..100).map(|k| cube().translate([f64::from(4 * k), 0.0, 0.0])));
+        let around = Bounds::new(Vec3::splat(-1.0), Vec3::new(397.0, 1.0, 1.0));
+        let across = 100.0 * 2.0 / 398.0;
+        assert!((load(&row, &around) - (100.0 + 2.0 * across) / 3.0).abs() < 1e-6, "{}", load(&row, &around));
     }
 
     #[test]
@@ -136,7 +150,11 @@ mod tests {
         let copies = [0.0, 100.0].map(|x| Affine::translate(Vec3::new(x, 0.0, 0.0)));
         let placed = pair.place(copies.to_vec());
         let around = Bounds::new(Vec3::splat(-1.0), Vec3::new(1.0, 1.0, 2.0));
-        // the copy itself, and both leaves: of 2 x 2 + 2 x 3 x 2 each has 12
-        assert!((load(&placed, &around) - (1.0 + 24.0 / 16.0)).abs() < 1e-6, "{}", load(&placed, &around));
+        // the copy itself, and both leaves: each along z, and two thirds of the rays along x and y
+        assert!(
+            (load(&placed, &around) - (1.0 + 2.0 * (1.0 + 2.0 / 3.0 + 2.0 / 3.0) / 3.0)).abs() < 1e-6,
+            "{}",
+            load(&placed, &around)
+        );
     }
 }
