@@ -76,7 +76,7 @@ error: there are two regions called `a`: results refer to regions by name. Give 
 fn syntax() {
     check(
         "a = \nb == 2\n[c\n",
-        "2:5 invalid TOML: string values must be quoted, expected literal string.\n3:4 invalid TOML: extra `=`, expected nothing.\n3:6 invalid TOML: unexpected key or value, expected newline, `#`.\n4:3 invalid TOML: unclosed table, expected `]`.",
+        "2:5 invalid TOML: string values must be quoted, expected literal string.\n3:4 invalid TOML: extra `=`, expected nothing.\n3:6 invalid TOML: unexpected key or value, expected newline, `#`.\n4:3 invalid TOML: unclosed table, expected `]`. The file ends here: is it complete?",
     );
     check("[solid.a]\nsphere = { radius = 1 }\n[solid.a]\n", "4:8 invalid TOML: duplicate key.");
     check("[parameters]\nR = 1\nR = 2\n", "4:1 invalid TOML: duplicate key.");
@@ -198,6 +198,19 @@ fn unquoted_expressions() {
     {
         assert!(!hint(text).contains("Write an expression"), "{text}\n{}", hint(text));
     }
+    assert!(!hint("[[region]\nsolid = 'a'\n").contains("Write an expression"));
+}
+
+/// Files that end early, and a mistake before the end.
+#[test]
+fn truncated_files() {
+    let ball = "[solid.a]\nsphere = { radius = 1 }\n";
+    for end in ["[[region]", "[solid.b", "x = { radius = 1", "name = \"abc", "x = [1, 2\n\n"] {
+        let found = listed(&problems(&format!("{ball}{end}")));
+        assert!(found.ends_with(". The file ends here: is it complete?"), "{end}\n{found}");
+    }
+    let found = listed(&problems(&format!("[[region]\n{ball}")));
+    assert!(!found.contains("The file ends here"), "{found}");
 }
 
 #[test]

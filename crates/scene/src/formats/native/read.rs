@@ -205,8 +205,14 @@ impl Reader {
         for error in errors {
             if seen.insert((span(error), error.message())) {
                 let problem = Diagnostic::error("invalid TOML").why(error.message());
-                let unquoted = unquoted_expression(source.text(), span(error).start());
-                self.problems.push(problem.suggest(unquoted), span(error));
+                let at = span(error).start();
+                // what is missing at the end may be the rest of the file
+                let is_end = source.text().get(at..).is_some_and(|rest| rest.trim().is_empty());
+                let suggestion = match is_end {
+                    true => Some("The file ends here: is it complete?".to_owned()),
+                    false => unquoted_expression(source.text(), at),
+                };
+                self.problems.push(problem.suggest(suggestion), span(error));
             }
         }
     }
@@ -483,7 +489,7 @@ fn unquoted_expression(text: &str, at: usize) -> Option<String> {
     // the error may be anywhere in the value, which begins after the last separator outside of parentheses
     let start = line.get(..at)?.rfind(['=', ',', '[', '{']).map(|separator| separator + 1)?;
     // the head of a table
-    if line[..start - 1].trim().is_empty() {
+    if matches!(line[..start - 1].trim(), "" | "[") {
         return None;
     }
     let mut depth = 0;
