@@ -108,6 +108,8 @@ fn scope<'py>(py: Python<'py>, report: &CheckReport) -> PyResult<Bound<'py, PyDi
     dict.set_item("pairs_left_out", scope.left_out)?;
     dict.set_item("operands", scope.operands)?;
     dict.set_item("operands_left_out", scope.operands_left_out)?;
+    dict.set_item("pieces_left_out", scope.pieces_left_out)?;
+    dict.set_item("cavities_left_out", scope.cavities_left_out)?;
     dict.set_item("has_hierarchy", scope.has_hierarchy)?;
     Ok(dict)
 }

@@ -30,7 +30,7 @@ const WITHIN: f64 = 0.5173;
 const LEAST_CHORDS: usize = 3;
 
 /// The greatest number of pieces of a region that straight lines try to join, and of rays between the chords of the space and of the
-/// regions: beyond them nothing is reported.
+/// regions: beyond them nothing is reported, and [`Scope`](super::Scope) says so.
 const MAX_PIECES: usize = 200;
 const MAX_RAYS: u64 = 1 << 17;
 
@@ -130,18 +130,12 @@ pub fn findings<E: Evaluator>(
     let cancel = &probe.settings.cancel;
     let mut found = Chords::of_grid(evaluator, probe.frame, across, MAX_CHORDS, cancel)?;
     found.join_at_crossings();
-    let mut all = Vec::new();
     // the space around the regions first: a region whose pieces need too many rays does not hide a cavity
-    for is_space in [true, false] {
-        found.limit = found.rays + MAX_RAYS;
-        found.join_neighbours(is_space, cancel)?;
-        found.join_by_lines(is_space, cancel)?;
-        if !found.has_given_up() {
-            all.extend(found.findings(names, is_space));
-        }
-    }
+    let (cavities, space_left_out) = found.search(names, true, MAX_RAYS, cancel)?;
+    let (loose, pieces_left_out) = found.search(names, false, MAX_RAYS, cancel)?;
     probe.scope.rays += found.rays;
-    Ok(all)
+    (probe.scope.cavities_left_out, probe.scope.pieces_left_out) = (space_left_out > 0, pieces_left_out);
+    Ok([cavities, loose].concat())
 }
 
 /// A connected part of a region, as far as the chords of a grid show it.
@@ -217,6 +211,28 @@ impl<'a, E: Evaluator> Chords<'a, E> {
             rays: 0,
             limit: 0,
             compared: 0,
+        }
+    }
+
+    /// The findings in the space or in the regions, by a number of rays, and the number of regions whose pieces remain unknown.
+    fn search(
+        &mut self,
+        names: &[&str],
+        is_space: bool,
+        most_rays: u64,
+        cancel: &Cancel,
+    ) -> Result<(Vec<Finding>, u64), Cancelled> {
+        self.limit = self.rays + most_rays;
+        self.join_neighbours(is_space, cancel)?;
+        self.join_by_lines(is_space, cancel)?;
+        let mut sizes = self.pieces(is_space, usize::MAX).into_values().map(|sets| sets.len());
+        match self.has_given_up() {
+            // a region in one piece stays in one piece
+            true => Ok((Vec::new(), sizes.filter(|&sets| sets > 1).count() as u64)),
+            false => {
+                let left_out = sizes.by_ref().filter(|&sets| sets > MAX_PIECES).count() as u64;
+                Ok((self.findings(names, is_space), left_out))
+            }
         }
     }
 
@@ -439,8 +455,8 @@ impl<'a, E: Evaluator> Chords<'a, E> {
         is_within
     }
 
-    /// The chords of each set of the space or of the regions, the largest volume first. Regions with too many sets are left out.
-    fn pieces(&mut self, is_space: bool) -> BTreeMap<RegionId, Vec<Vec<u32>>> {
+    /// The chords of each set of the space or of the regions, the largest volume first, for regions with up to `most` sets.
+    fn pieces(&mut self, is_space: bool, most: usize) -> BTreeMap<RegionId, Vec<Vec<u32>>> {
         let mut by_set: BTreeMap<(RegionId, u32), Vec<u32>> = BTreeMap::new();
         for k in 0..self.chords.len() as u32 {
             if (self.chords[k as usize].region == RegionId(0)) != is_space {
@@ -452,7 +468,7 @@ impl<'a, E: Evaluator> Chords<'a, E> {
         for ((region, _), chords) in by_set {
             pieces.entry(region).or_default().push(chords);
         }
-        pieces.retain(|_, own| own.len() <= MAX_PIECES);
+        pieces.retain(|_, own| own.len() <= most);
         for own in pieces.values_mut() {
             let mut sized: Vec<(f64, Vec<u32>)> =
                 own.drain(..).map(|chords| (self.volume(&chords), chords)).collect();
@@ -464,7 +480,7 @@ impl<'a, E: Evaluator> Chords<'a, E> {
 
     /// Joins sets by straight lines between their chords, and by chords along other axes through the middles of their chords.
     fn join_by_lines(&mut self, is_space: bool, cancel: &Cancel) -> Result<(), Cancelled> {
-        for sets in self.pieces(is_space).into_values().filter(|sets| sets.len() > 1) {
+        for sets in self.pieces(is_space, MAX_PIECES).into_values().filter(|sets| sets.len() > 1) {
             let middles = sets.iter().flatten().map(|&k| (self.chords[k as usize].middle(), k));
             let nearest = Nearest::new(middles.collect(), |k| self.sets.of(k));
             for small in sets.iter().skip(1) {
@@ -566,7 +582,7 @@ impl<'a, E: Evaluator> Chords<'a, E> {
 
     fn findings(&mut self, names: &[&str], is_space: bool) -> Vec<Finding> {
         let mut found = Vec::new();
-        for (region, mut sets) in self.pieces(is_space) {
+        for (region, mut sets) in self.pieces(is_space, MAX_PIECES) {
             sets.retain(|chords| chords.len() >= LEAST_CHORDS);
             match region.index().checked_sub(1).and_then(|k| names.get(k)) {
                 Some(name) if sets.len() > 1 => found.push(self.loose(name, &sets)),
@@ -691,6 +707,22 @@ mod tests {
         }
     }
 
+    /// Without rays for lines between chords the pieces of the region, and only they, remain unknown; more than 200 are not counted.
+    #[test]
+    fn regions_whose_pieces_remain_unknown_are_counted() {
+        let names = &["fins"];
+        let searched = |count: usize, is_space: bool, most_rays: u64| {
+            let evaluator = fins(count);
+            let mut found = grid(&evaluator, 24, usize::MAX);
+            let (found, left_out) = found.search(names, is_space, most_rays, &Cancel::new()).unwrap();
+            (found.len(), left_out)
+        };
+        assert_eq!(searched(100, false, 0), (0, 1));
+        assert_eq!(searched(100, false, MAX_RAYS), (1, 0));
+        assert_eq!(searched(201, false, MAX_RAYS), (0, 1));
+        assert_eq!(searched(201, true, MAX_RAYS), (0, 0));
+    }
+
     /// A coarser grid, whose rays still find all fins.
     #[test]
     fn the_number_of_chords_is_limited() {
@@ -701,7 +733,10 @@ mod tests {
         assert!(some.across < 48 && some.chords.len() <= 50_000, "{} {}", some.across, some.chords.len());
         some.join_neighbours(false, &Cancel::new()).unwrap();
         some.join_by_lines(false, &Cancel::new()).unwrap();
-        assert_eq!(some.pieces(false).into_values().map(|sets| sets.len()).collect::<Vec<_>>(), [100]);
+        assert_eq!(
+            some.pieces(false, MAX_PIECES).into_values().map(|sets| sets.len()).collect::<Vec<_>>(),
+            [100]
+        );
         // a grid of a few rays is not reduced further
         assert_eq!(grid(&evaluator, 48, 1).across, LEAST_ACROSS);
     }

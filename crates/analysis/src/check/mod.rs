@@ -28,6 +28,8 @@ mod edge_tests;
 mod edges;
 mod facing;
 mod finding;
+#[cfg(test)]
+mod format_tests;
 mod hierarchy;
 mod narrow;
 mod nearest;

@@ -171,7 +171,8 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         })?;
         let is_proved = outcome == Outcome::ProvedEmpty;
         if !matches!(outcome, Outcome::Found(_)) {
-            let text = format!("{} {what} the rest of {}", label(own), self.region);
+            let how = if is_proved { "" } else { ", as far as rays show" };
+            let text = format!("{} {what} the rest of {}{how}", label(own), self.region);
             let finding = Finding::new(FindingKind::Absorbed, &[self.region], text);
             let place = Program::compile(&own.apply(*map))?.bounds();
             let at = (place.is_finite() && !place.is_empty()).then(|| place.centre());

@@ -54,6 +54,10 @@ pub struct Scope {
     pub operands: u64,
     /// Operands beyond the limit, not checked.
     pub operands_left_out: u64,
+    /// Regions whose separate pieces were not counted: that would need too many rays, or there seem to be more than 200.
+    pub pieces_left_out: u64,
+    /// True if closed cavities were not searched to the end, for the same reasons.
+    pub cavities_left_out: bool,
     /// True if the model has a hierarchy of mothers and daughters.
     pub has_hierarchy: bool,
 }

@@ -290,6 +290,8 @@ impl Check {
                 "pairs_left_out": scope.left_out,
                 "operands": scope.operands,
                 "operands_left_out": scope.operands_left_out,
+                "pieces_left_out": scope.pieces_left_out,
+                "cavities_left_out": scope.cavities_left_out,
                 "has_hierarchy": scope.has_hierarchy,
             },
         })
@@ -435,6 +437,16 @@ fn scope(report: &CheckReport, cells: u32) -> String {
             "not searched for walls and gaps: {} faces, edges, pairs of edges or narrow places\n",
             scope.edges_left_out
         );
+    }
+    let regions = match scope.pieces_left_out {
+        0 => None,
+        1 => Some("separate pieces of 1 region".to_owned()),
+        n => Some(format!("separate pieces of {n} regions")),
+    };
+    let cavities = scope.cavities_left_out.then(|| "closed cavities".to_owned());
+    let unknown: Vec<String> = regions.into_iter().chain(cavities).collect();
+    if !unknown.is_empty() {
+        text += &format!("not searched to the end: {} (--within checks a part)\n", unknown.join(" and "));
     }
     text
 }
