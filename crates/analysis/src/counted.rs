@@ -1,25 +1,34 @@
 //! An evaluator for tests that counts the work of searches.
 
-use rayweave_model::{Evaluator, Program, Query, Rays, RegionId, Sink};
+use rayweave_model::{Evaluator, Program, Query, RayAnswer, Rays, RegionId, Sink};
 use rayweave_trace::Packets;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Counts rays, and points whose regions are found.
+/// Counts rays and their crossings, and points whose regions are found.
 pub(crate) struct Counted {
     inner: Packets,
     rays: AtomicU64,
+    crossings: AtomicU64,
     points: AtomicU64,
 }
 
 impl Counted {
     pub fn new(program: Arc<Program>) -> Counted {
-        Counted { inner: Packets::new(program), rays: AtomicU64::new(0), points: AtomicU64::new(0) }
+        let [rays, crossings, points] = [0; 3].map(AtomicU64::new);
+        Counted { inner: Packets::new(program), rays, crossings, points }
     }
 
     /// The numbers of rays and points so far; they begin again from 0.
     pub fn take(&self) -> [u64; 2] {
         [&self.rays, &self.points].map(|count| count.swap(0, Ordering::Relaxed))
+    }
+}
+
+impl Counted {
+    /// The number of crossings so far; it begins again from 0.
+    pub fn take_crossings(&self) -> u64 {
+        self.crossings.swap(0, Ordering::Relaxed)
     }
 }
 
@@ -40,7 +49,11 @@ impl Evaluator for Counted {
 
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut Self::Scratch, sink: &mut dyn Sink) {
         self.rays.fetch_add(rays.len() as u64, Ordering::Relaxed);
-        self.inner.crossings(rays, query, scratch, sink);
+        let mut counting = |answer: RayAnswer<'_>| {
+            self.crossings.fetch_add(answer.crossings.len() as u64, Ordering::Relaxed);
+            sink.ray(answer);
+        };
+        self.inner.crossings(rays, query, scratch, &mut counting);
     }
 
     fn regions_at(&self, points: [&[f64]; 3], scratch: &mut Self::Scratch, out: &mut [RegionId]) {

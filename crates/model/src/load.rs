@@ -83,22 +83,40 @@ impl RayLoad {
     /// The mean number of leaves that a ray through a box reaches, with as many rays along each axis. Rays that miss a leaf within its
     /// box are counted.
     pub fn through(&self, bounds: &Bounds) -> f64 {
-        let all = cross_sections(bounds);
-        let axes = all.iter().filter(|area| **area > 0.0).count();
-        let met = |(own, load): &(Bounds, f64)| {
-            let common = own.intersection(bounds);
-            match common.is_empty() {
-                true => 0.0,
-                // an unbounded box, or a line
-                false if axes == 0 || !all.iter().all(|area| area.is_finite()) => *load,
-                false => {
-                    let shares = cross_sections(&common).into_iter().zip(all).filter(|(_, area)| *area > 0.0);
-                    load * shares.map(|(own, area)| own / area).sum::<f64>() / axes as f64
-                }
-            }
+        let areas = cross_sections(bounds);
+        let axes = match has_no_area(&areas) {
+            true => 3,
+            false => areas.iter().filter(|area| **area > 0.0).count(),
         };
-        self.boxes.iter().map(met).sum()
+        self.along_axes(bounds).iter().sum::<f64>() / axes as f64
     }
+
+    /// Like [`through`](Self::through), for the rays along each axis. A flat box has no rays along the axes in its plane.
+    pub fn along_axes(&self, bounds: &Bounds) -> [f64; 3] {
+        let areas = cross_sections(bounds);
+        let has_no_area = has_no_area(&areas);
+        let mut sums = [0.0; 3];
+        for (own, load) in &self.boxes {
+            let common = own.intersection(bounds);
+            if common.is_empty() {
+                continue;
+            }
+            let met = cross_sections(&common);
+            for axis in 0..3 {
+                sums[axis] += match areas[axis] {
+                    _ if has_no_area => *load,
+                    area if area > 0.0 => load * (met[axis] / area),
+                    _ => 0.0,
+                };
+            }
+        }
+        sums
+    }
+}
+
+/// True for an unbounded box and for a line: rays cannot be spread over it, and each counts as one that reaches every box.
+fn has_no_area(areas: &[f64; 3]) -> bool {
+    areas.iter().all(|area| *area == 0.0) || !areas.iter().all(|area| area.is_finite())
 }
 
 /// The areas of the cross-sections of a box along the three axes.
@@ -142,6 +160,11 @@ mod tests {
         let around = Bounds::new(Vec3::splat(-1.0), Vec3::new(397.0, 1.0, 1.0));
         let across = 100.0 * 2.0 / 398.0;
         assert!((load(&row, &around) - (100.0 + 2.0 * across) / 3.0).abs() < 1e-6, "{}", load(&row, &around));
+        let along = Program::compile(&row).unwrap().ray_load().along_axes(&around);
+        let expected = [100.0, across, across];
+        assert!(along.iter().zip(expected).all(|(own, sum)| (own - sum).abs() < 1e-6), "{along:?}");
+        let flat = Bounds::new(Vec3::new(-1.0, -1.0, 0.0), Vec3::new(397.0, 1.0, 0.0));
+        assert!((load(&row, &flat) - across).abs() < 1e-6, "{}", load(&row, &flat));
     }
 
     #[test]

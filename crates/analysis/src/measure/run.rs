@@ -46,14 +46,14 @@ pub struct MeasureSettings {
     pub cancel: Cancel,
 }
 
-/// A precision of 1e-3 at 99 %, with at most 2^24 rays per region that reach at most 2^25 shapes.
+/// A precision of 1e-3 at 99 %, with at most 2^24 rays per region that reach at most 2^24 shapes.
 impl Default for MeasureSettings {
     fn default() -> Self {
         MeasureSettings {
             precision: 1e-3,
             confidence: 0.99,
             most_rays: 1 << 24,
-            most_reached: Some(1 << 25),
+            most_reached: Some(1 << 24),
             within: None,
             seed: 0,
             threads: None,
@@ -84,6 +84,9 @@ impl MeasureSettings {
 /// precision overlap so much that a random ray through the box around them crosses one on average, a round samples that
 /// box for all of them; otherwise each of them gets a round of equal size through its own box. So the time does not grow
 /// with the number of regions, and `most_rays` limits the number of all rays.
+///
+/// Where rays along one axis reach many more shapes than along another, such as along a row of fins, there are fewer of them: in
+/// inverse proportion to the square root of the numbers of shapes, as in stratified sampling with different costs (Cochran, chapter 5).
 ///
 /// A region that no ray crosses gets one additional round. It may still be non-empty: its interval covers the
 /// volume that this number of rays can miss.
@@ -128,8 +131,11 @@ pub fn measure_with_progress<E: Evaluator>(
     let count = program.regions().len();
     let reached = vec![f64::INFINITY; count];
     let (boxes, whole) = boxes_of(program, settings)?;
-    let most_rays = most_rays(program, &whole, settings);
-    let mut run = Run { evaluator, settings, most_rays, progress, quantile, traced: 0, streams: 0, reached };
+    let load = program.ray_load().along_axes(&whole);
+    let axes = Axes::of(&load);
+    let most_rays = most_rays(&axes, &load, settings);
+    let mut run =
+        Run { evaluator, settings, axes, most_rays, progress, quantile, traced: 0, streams: 0, reached };
     let mut results = vec![Joined::default(); count];
     if !whole.is_empty() {
         check_bounds(program, &whole)?;
@@ -160,10 +166,59 @@ pub fn measure_with_progress<E: Evaluator>(
     Ok(Measurement { regions, rays: run.traced, most_rays })
 }
 
-/// The maximum number of rays through a box that both limits of the settings allow.
-fn most_rays(program: &Program, whole: &Bounds, settings: &MeasureSettings) -> u64 {
-    let of_reached = |most: u64| (most as f64 / program.ray_load().through(whole).max(1.0)) as u64;
+/// The maximum number of rays that both limits of the settings allow, where rays along the axes reach these numbers of shapes.
+fn most_rays(axes: &Axes, load: &[f64; 3], settings: &MeasureSettings) -> u64 {
+    let of_reached = |most: u64| (most as f64 / axes.mean(load).max(1.0)) as u64;
     settings.most_reached.map_or(u64::MAX, of_reached).min(settings.most_rays)
+}
+
+/// The number of shapes that a ray may reach before its axis gets fewer rays: below it, other costs of a ray matter too.
+const MANY_REACHED: f64 = 64.0;
+
+/// The shares of the axes in the rays of a round.
+#[derive(Clone, Copy, Debug)]
+struct Axes {
+    /// The number of cells along an edge of the cross-section, relative to the axis with the most.
+    across: [f64; 3],
+}
+
+impl Axes {
+    /// For rays along the axes that reach these numbers of shapes.
+    fn of(load: &[f64; 3]) -> Axes {
+        let costs = load.map(|load| load.max(MANY_REACHED));
+        let least = costs.into_iter().fold(f64::INFINITY, f64::min);
+        // the number of rays is the square
+        Axes { across: costs.map(|cost| (least / cost).sqrt().sqrt()) }
+    }
+
+    /// The number of cells along an edge of the cross-section along an axis, of a round with at most `across`.
+    fn across(&self, axis: usize, across: u64) -> u64 {
+        ((self.across[axis] * across as f64) as u64).max(1)
+    }
+
+    /// The smallest number of cells along an edge in a round with at most `across`.
+    fn least(&self, across: u64) -> u64 {
+        (0..3).map(|axis| self.across(axis, across)).min().unwrap_or(across)
+    }
+
+    /// The number of rays of a round, two for each cell.
+    fn rays(&self, across: u64) -> u64 {
+        (0..3).map(|axis| 2 * self.across(axis, across).pow(2)).sum()
+    }
+
+    /// The largest number of cells along an edge for which a round has at most so many rays; 0 if there is none.
+    fn across_of(&self, rays: u64) -> u64 {
+        let squares: f64 = self.across.iter().map(|across| across * across).sum();
+        let across = ((rays as f64 / (2.0 * squares)) as u64).isqrt();
+        if self.rays(across) <= rays { across } else { across.saturating_sub(1) }
+    }
+
+    /// The mean of values for the axes over all rays.
+    fn mean(&self, values: &[f64; 3]) -> f64 {
+        let squares = self.across.map(|across| across * across);
+        let sum: f64 = squares.iter().zip(values).map(|(square, value)| square * value).sum();
+        sum / squares.iter().sum::<f64>()
+    }
 }
 
 /// The bounds for a region that no ray through its box crosses.
@@ -258,6 +313,7 @@ impl Joined {
 struct Run<'a, E> {
     evaluator: &'a E,
     settings: &'a MeasureSettings,
+    axes: Axes,
     /// The maximum number of rays, by both limits of the settings.
     most_rays: u64,
     progress: &'a mut dyn FnMut(MeasureProgress),
@@ -310,7 +366,7 @@ impl<E: Evaluator> Run<'_, E> {
         self.quantile * mean.deviation(&weights) <= self.settings.precision * mean.value(&weights)
     }
 
-    /// Runs rounds for one region in its own box; returns the number of rays.
+    /// Runs rounds for one region in its own box; returns three times the number of rays along the axis with the fewest.
     fn refine(
         &mut self,
         region: usize,
@@ -318,18 +374,19 @@ impl<E: Evaluator> Run<'_, E> {
         results: &mut [Joined],
     ) -> Result<u64, MeasureError> {
         let mut across = FIRST_ACROSS;
-        let mut spent = 0;
+        let (mut spent, mut least) = (0, 0);
         while !bounds.is_empty() && !self.is_finished(&results[region], spent) {
-            let most = ((self.most_rays - spent) / 6).isqrt();
+            let most = self.axes.across_of(self.most_rays - spent);
             if most == 0 {
                 break;
             }
             // the number of rays doubles, up to the limit
             across = (across * 99).div_ceil(70).min(most);
-            spent += 6 * across * across;
+            spent += self.axes.rays(across);
+            least += 6 * self.axes.least(across).pow(2);
             self.round(bounds, across, |own| own == region, results)?;
         }
-        Ok(spent)
+        Ok(least)
     }
 
     /// Runs rounds for all regions together; returns, for each region, the number of rays of these rounds that certainly pass its box.
@@ -357,23 +414,23 @@ impl<E: Evaluator> Run<'_, E> {
             }
             let crossed: f64 = listed.iter().map(|&region| sides(&boxes[region])).sum();
             if crossed >= sides(&common) {
-                shared = (shared * 99).div_ceil(70).min((left / 6).isqrt());
+                shared = (shared * 99).div_ceil(70).min(self.axes.across_of(left));
                 if shared == 0 {
                     return Ok(passed);
                 }
-                left -= 6 * shared * shared;
+                left -= self.axes.rays(shared);
                 self.round(&common, shared, |region| open[region], results)?;
-                listed
-                    .iter()
-                    .for_each(|&region| passed[region] += surely_inside(&boxes[region], &common, shared));
+                listed.iter().for_each(|&region| {
+                    passed[region] += surely_inside(&boxes[region], &common, self.axes.least(shared))
+                });
             } else {
-                alone = (alone * 99).div_ceil(70).min((left / (6 * listed.len() as u64)).isqrt());
+                alone = (alone * 99).div_ceil(70).min(self.axes.across_of(left / listed.len() as u64));
                 if alone == 0 {
                     return Ok(passed);
                 }
                 for &region in &listed {
-                    left -= 6 * alone * alone;
-                    passed[region] += 6 * alone * alone;
+                    left -= self.axes.rays(alone);
+                    passed[region] += 6 * self.axes.least(alone).pow(2);
                     self.round(&boxes[region], alone, |own| own == region, results)?;
                 }
             }
@@ -386,7 +443,7 @@ impl<E: Evaluator> Run<'_, E> {
         self.is_reached(joined) && (is_met || spent > 0)
     }
 
-    /// Traces rays along all three axes through a box, for some of the regions.
+    /// Traces rays along all three axes through a box, for some of the regions; `across` is the largest number of cells along an edge.
     fn round(
         &mut self,
         bounds: &Bounds,
@@ -401,7 +458,7 @@ impl<E: Evaluator> Run<'_, E> {
             let cells = Cells {
                 bounds: *bounds,
                 axis,
-                across,
+                across: self.axes.across(axis, across),
                 seed: self.settings.seed,
                 stream: self.streams,
                 within: self.settings.within,
@@ -417,7 +474,7 @@ impl<E: Evaluator> Run<'_, E> {
             }
         }
         // the variance decreases as the power -3/2 of the number of cells
-        let (weight, rays) = (density * density.sqrt(), 6 * across * across);
+        let (weight, rays) = (density * density.sqrt(), self.axes.rays(across));
         let all = results.iter_mut().enumerate();
         for (region, joined) in all.filter(|(region, _)| is_wanted(*region)) {
             joined.join(&tallies.remove(&region).unwrap_or_default(), weight, bounds.centre(), rays);

@@ -4,7 +4,7 @@ use super::*;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::drive::Cancel;
 use rayweave_model::{Program, Region, Solid};
-use rayweave_shape::primitive::{CentredBox, Cylinder, HalfSpace, Primitive, Sphere, Torus};
+use rayweave_shape::primitive::{BoxFromCorners, CentredBox, Cylinder, HalfSpace, Primitive, Sphere, Torus};
 use rayweave_trace::Packets;
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
@@ -305,4 +305,30 @@ fn given_numbers_of_rays_hold_where_shapes_overlap() {
     assert!((9_000..=10_600).contains(&few), "{few}");
     let all = rays(&limited.with_most_rays(Some(40_000)));
     assert!((39_000..=40_000).contains(&all), "{all}");
+}
+
+/// Rays along a row of fins, which have equal chords, are few; all rays together reach no more shapes than allowed.
+#[test]
+fn few_rays_pass_along_a_row_of_fins() {
+    let fin = |k: usize| {
+        let lo = Vec3::new(2.0 * k as f64, 0.0, 0.0);
+        Solid::from(Primitive::from(BoxFromCorners::new(lo, lo + Vec3::new(1.0, 30.0, 30.0)).unwrap()))
+    };
+    let program = Arc::new(Program::compile(&Solid::union((0..1500).map(fin))).unwrap());
+    let counted = crate::counted::Counted::new(program);
+    let settings = MeasureSettings { most_reached: Some(1 << 20), ..MeasureSettings::default() };
+    let found = measure(&counted, &settings, &mut |_| ()).unwrap();
+    assert!(found.regions[0].volume.contains(1500.0 * 900.0), "{:?}", found.regions[0].volume);
+    assert!(
+        found.regions[0].area.contains(1500.0 * (2.0 * 900.0 + 4.0 * 30.0)),
+        "{:?}",
+        found.regions[0].area
+    );
+    let [rays, _] = counted.take();
+    // the rays along x reach 1,500 fins each, the others one or none
+    assert!(
+        rays == found.rays && counted.take_crossings() < 2 * ((1 << 20) + 1_500 * 2 * 22 * 22 + 20_000),
+        "{rays}"
+    );
+    assert!(rays > 15_000, "{rays}");
 }
