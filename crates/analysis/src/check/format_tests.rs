@@ -87,7 +87,7 @@ fn native_and_gdml_models_have_equal_findings() {
 #[test]
 fn native_and_openscad_models_have_equal_findings() {
     let native = "[solid._plate]\nbox = { size = [20, 20, 4] }\n[solid._hole]\ncylinder = { radius = 3, height = 10 }\n\
-        [solid._slot]\nbox = { size = [1, 1, 10] }\ntransform = [{ translate = [3.5, 0, 0] }]\n\
+        [solid._slot]\nbox = { size = [1, 1, 10] }\ntransform = [{ translate = [5.5, 0, 0] }]\n\
         [solid._far]\nbox = { size = [1, 1, 10] }\ntransform = [{ translate = [50, 0, 0] }]\n\
         [solid._near]\nbox = { size = [1, 1, 10] }\ntransform = [{ translate = [9.495, 0, 0] }]\n\
         [solid._ball]\nsphere = { radius = 5 }\ntransform = [{ translate = [30, 0, 0] }]\n\
@@ -98,7 +98,7 @@ fn native_and_openscad_models_have_equal_findings() {
     let bar = "cube(size = [1, 1, 10], center = true)";
     let openscad = format!(
         "union() {{ difference() {{ cube(size = [20, 20, 4], center = true); cylinder(h = 10, r1 = 3, r2 = 3, center = true);\n{}{}{}}}\n{}}}",
-        at(3.5, bar),
+        at(5.5, bar),
         at(50.0, bar),
         at(9.495, bar),
         at(30.0, "sphere(r = 5)"),

@@ -51,8 +51,8 @@ fn unbounded_operands() {
         ("b & (up | ball)", &[][..]),
         ("b & (up - ball)", &[]),
         ("b - (up - ball)", &[]),
-        ("b & low", &["low takes nothing from the rest of cap"]),
-        ("ball & b", &["b takes nothing from the rest of cap"]),
+        ("b & low", &["low takes nothing from the rest of cap, as far as rays show"]),
+        ("ball & b", &["b takes nothing from the rest of cap, as far as rays show"]),
     ] {
         let text = format!("{OUTER}{solids}[solid.cap]\nexpr = \"{expr}\"");
         assert_eq!(absorbed(&text), without_effect, "{expr}");
