@@ -206,7 +206,7 @@ impl Reader {
             if seen.insert((span(error), error.message())) {
                 let problem = Diagnostic::error("invalid TOML").why(error.message());
                 let at = span(error).start();
-                // what is missing at the end may be the rest of the file
+                // a syntax error at the end may come from a truncated file
                 let is_end = source.text().get(at..).is_some_and(|rest| rest.trim().is_empty());
                 let suggestion = match is_end {
                     true => Some("The file ends here: is it complete?".to_owned()),
