@@ -85,8 +85,8 @@ impl MeasureSettings {
 /// box for all of them; otherwise each of them gets a round of equal size through its own box. So the time does not grow
 /// with the number of regions, and `most_rays` limits the number of all rays.
 ///
-/// Where rays along one axis reach many more shapes than along another, such as along a row of fins, there are fewer of them: in
-/// inverse proportion to the square root of the numbers of shapes, as in stratified sampling with different costs (Cochran, chapter 5).
+/// Rays along an axis are fewer where each reaches many more shapes than along another axis, such as along a row of fins: in inverse
+/// proportion to the square root of the numbers of shapes, as in stratified sampling with different costs (Cochran, chapter 5).
 ///
 /// A region that no ray crosses gets one additional round. It may still be non-empty: its interval covers the
 /// volume that this number of rays can miss.
