@@ -19,6 +19,8 @@ pub struct Copies {
 pub(crate) struct CopyLabel {
     pub name: Arc<str>,
     pub numbers: Option<Arc<[i64]>>,
+    /// For each copy the number of copies before it with the same number, if some of them are elsewhere.
+    pub ordinals: Option<Arc<[u32]>>,
 }
 
 impl Copies {
@@ -32,7 +34,18 @@ impl Copies {
     /// `numbers` are counted.
     pub fn labelled(maps: impl Into<Arc<[Affine]>>, name: &str, numbers: Option<Arc<[i64]>>) -> Copies {
         let numbers = numbers.filter(|numbers| !numbers.is_empty());
-        Copies { maps: maps.into(), label: Some(Box::new(CopyLabel { name: name.into(), numbers })) }
+        let label = CopyLabel { name: name.into(), numbers, ordinals: None };
+        Copies { maps: maps.into(), label: Some(Box::new(label)) }
+    }
+
+    /// Labelled copies that are some of several: `ordinals` are the numbers of copies with the same number before each of them, which
+    /// are otherwise counted among the copies here. Without a label nothing changes.
+    #[must_use]
+    pub fn with_ordinals(mut self, ordinals: Arc<[u32]>) -> Copies {
+        if let Some(label) = &mut self.label {
+            label.ordinals = Some(ordinals);
+        }
+        self
     }
 
     /// The maps, `world_from_local`.
@@ -62,6 +75,11 @@ impl CopyLabel {
             Some(&number) => Some(number),
             None => (count > 1).then_some(k as i64),
         }
+    }
+
+    /// The stated number of copies with the same number before a copy.
+    pub fn ordinal(&self, k: usize) -> Option<u32> {
+        self.ordinals.as_ref().and_then(|ordinals| ordinals.get(k).copied())
     }
 }
 

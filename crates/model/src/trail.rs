@@ -102,6 +102,9 @@ impl Trail {
     }
 }
 
+/// A labelled copy: the node above it, its name, its number, and the stated number of copies before it with the same number.
+type LabelKey<'n> = (u32, &'n str, Option<i64>, Option<u32>);
+
 /// Builds the trail of a group, part by part in the order of the leaves.
 #[derive(Default)]
 pub(crate) struct TrailBuilder<'n> {
@@ -110,7 +113,7 @@ pub(crate) struct TrailBuilder<'n> {
     nodes: NameMap<(u32, &'n str, Option<i64>), u32>,
     /// Nodes of labelled copies: equal labels mean the same copy, e.g. in files in which each volume repeats the
     /// placements of its mother volumes.
-    labelled: NameMap<(u32, &'n str, Option<i64>), u32>,
+    labelled: NameMap<LabelKey<'n>, u32>,
     /// Number of leaves with equal names, by node and name.
     leaves: NameMap<(u32, &'n str), u32>,
     /// Number of counted copies with equal names, by node and name.
@@ -128,11 +131,14 @@ impl<'n> TrailBuilder<'n> {
     /// The node of a single copy with a label.
     pub fn labelled(&mut self, parent: u32, label: &'n CopyLabel) -> u32 {
         let copy = label.number(0, 1);
-        let key = (parent, &*label.name, copy);
+        let key = (parent, &*label.name, copy, label.ordinal(0));
         if let Some(&known) = self.labelled.get(&key) {
             return known;
         }
         let node = self.node(parent, &label.name, copy, true);
+        if let Some(ordinal) = label.ordinal(0) {
+            self.trail.nodes[node as usize].ordinal = ordinal;
+        }
         self.labelled.insert(key, node);
         node
     }
@@ -172,7 +178,7 @@ impl<'n> TrailBuilder<'n> {
     /// Adds the copies of a placed solid, with a label or the name of the solid.
     pub fn copies(&mut self, node: u32, count: usize, label: Option<&'n CopyLabel>, name: &'n Arc<str>) {
         let names = match label {
-            Some(CopyLabel { name, numbers }) => CopyNames {
+            Some(CopyLabel { name, numbers, .. }) => CopyNames {
                 node,
                 name: name.clone(),
                 is_labelled: true,
@@ -215,6 +221,11 @@ fn next<K: std::hash::Hash + Eq, N: Copy + Default + std::ops::AddAssign>(
 /// For each copy the number of copies before it with the same number; `None` if all numbers differ.
 fn ordinals(label: &CopyLabel, count: usize) -> Option<Box<[u32]>> {
     let mut seen: NameMap<Option<i64>, u32> = NameMap::with_capacity_and_hasher(count, Default::default());
-    let ordinals: Box<[u32]> = (0..count).map(|k| next(&mut seen, label.number(k, count), 1)).collect();
-    (seen.len() < count).then_some(ordinals)
+    let ordinals: Box<[u32]> = (0..count)
+        .map(|k| {
+            let counted = next(&mut seen, label.number(k, count), 1);
+            label.ordinal(k).unwrap_or(counted)
+        })
+        .collect();
+    ordinals.iter().any(|&ordinal| ordinal > 0).then_some(ordinals)
 }

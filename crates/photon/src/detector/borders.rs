@@ -5,7 +5,7 @@ use super::properties::{Owner, PropertyReader};
 use crate::surface::OpticalSurface;
 use rayweave_error::{Message, did_you_mean};
 use rayweave_model::{Crossing, Program};
-use rayweave_scene::{Datum, Span, bare_name};
+use rayweave_scene::{Datum, Span};
 use std::collections::{HashMap, HashSet};
 
 /// The surfaces of all boundaries.
@@ -39,7 +39,7 @@ const TABULATED: usize = 512;
 #[derive(Debug)]
 struct Border {
     surface: usize,
-    /// Volume name and copy numbers that the path of the crossed faces must contain, for volumes with several copies.
+    /// The placements that the path of the crossed faces must contain, for volumes with several copies.
     required: Vec<Placement>,
     /// True for a border between two copies of one volume: the first of `required` is in front, the second one behind.
     is_between_copies: bool,
@@ -265,10 +265,7 @@ impl Border {
         }
         let paths = [crossing.left, crossing.entered].map(|face| program.occurrence_path(face.occurrence()));
         let is_on = |placement: &Placement, face: usize| {
-            paths[face].steps().iter().any(|step| {
-                step.name == bare_name(&placement.volume)
-                    && step.copy.is_some_and(|copy| placement.copies.contains(&copy))
-            })
+            paths[face].steps().iter().any(|step| placement.is_step(step))
         };
         match self.required.as_slice() {
             [front, behind] if self.is_between_copies => is_on(front, 0) && is_on(behind, 1),

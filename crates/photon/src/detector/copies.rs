@@ -8,7 +8,7 @@ use rayweave_math::{Affine, Bounds};
 use rayweave_model::{Copies, Node, Program, Solid};
 use rayweave_scene::{Datum, Scene, SceneRegion};
 use std::borrow::Cow;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// The largest number of copies in one mother that are compared.
@@ -91,7 +91,7 @@ fn divided(solid: &Solid) -> Vec<Solid> {
     if parts.len() == 1 { vec![solid.clone()] } else { parts }
 }
 
-/// Some of several copies, with the numbers that they have among all.
+/// Some of several copies, with the numbers that they have among all. Copies with equal numbers differ by their order.
 fn subset(copies: &Copies, chosen: &[usize]) -> Copies {
     if chosen.len() == copies.maps().len() {
         return copies.clone();
@@ -102,7 +102,18 @@ fn subset(copies: &Copies, chosen: &[usize]) -> Copies {
     };
     let maps: Vec<Affine> = chosen.iter().map(|&k| copies.maps()[k]).collect();
     let numbers: Arc<[i64]> = chosen.iter().map(number).collect();
-    Copies::labelled(maps, copies.name().unwrap_or_default(), Some(numbers))
+    let some = Copies::labelled(maps, copies.name().unwrap_or_default(), Some(numbers));
+    let mut seen: HashMap<i64, u32> = HashMap::new();
+    let mut ordinal = |k: usize| {
+        let count = seen.entry(number(&k)).or_default();
+        *count += 1;
+        *count - 1
+    };
+    let ordinals: Vec<u32> = (0..copies.maps().len()).map(&mut ordinal).collect();
+    match seen.len() < ordinals.len() {
+        true => some.with_ordinals(chosen.iter().map(|&k| ordinals[k]).collect()),
+        false => some,
+    }
 }
 
 /// Classes of copies that do not touch each other, by their boxes: each copy gets the first class without a neighbour.

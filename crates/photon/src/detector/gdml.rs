@@ -6,6 +6,7 @@ use crate::material::{
     WavelengthShifter, rayleigh_length,
 };
 use crate::property::group_velocity;
+use rayweave_model::PathStep;
 use rayweave_scene::{Datum, Scene, bare_name};
 use std::collections::{HashMap, HashSet};
 
@@ -154,6 +155,9 @@ pub(crate) struct Placement {
     pub volume: String,
     /// The numbers of its copies, as in occurrence paths.
     pub copies: std::ops::Range<i64>,
+    /// Those of these numbers that placements of the volume before it in the same mother have as well, with the numbers of these
+    /// placements, as in occurrence paths.
+    pub repeated: Vec<(i64, u32)>,
     /// The volume in which it is placed; empty in native models.
     pub mother: String,
     /// True for the placement that a border surface finds by the name: the first one in the file, as in Geant4. Copies with
@@ -162,6 +166,18 @@ pub(crate) struct Placement {
 }
 
 impl Placement {
+    /// True for a step of an occurrence path that leads through the placement.
+    pub fn is_step(&self, step: &PathStep<'_>) -> bool {
+        // the only copy in a mother may have no number
+        let copy = step.copy.unwrap_or(0);
+        let before =
+            self.repeated.iter().find(|(number, _)| *number == copy).map_or(0, |&(_, before)| before);
+        step.is_placed
+            && step.name == bare_name(&self.volume)
+            && self.copies.contains(&copy)
+            && step.ordinal == before
+    }
+
     /// True if another placement of the same name and mother is a copy of the same replicated volume, with a solid of its own.
     fn is_replica_of(&self, other: &Placement) -> bool {
         let original = |placement: &'_ Placement| {
@@ -207,6 +223,7 @@ pub(super) fn volumes(table: &Datum, scene: &Scene) -> Volumes {
         volumes.regions.entry(row.text("name").to_owned()).or_default().extend(regions);
         // positions among the copies of the same volume number those without a copy number
         let mut counted: HashMap<String, i64> = HashMap::new();
+        let mut seen: HashMap<&str, HashMap<i64, u32>> = HashMap::new();
         for daughter in row.list("daughters") {
             let volume = daughter.text("volume").to_owned();
             let count = daughter.list("maps").count() as i64;
@@ -215,7 +232,14 @@ pub(super) fn volumes(table: &Datum, scene: &Scene) -> Volumes {
             *next += count;
             *volumes.copies.entry(volume.clone()).or_default() += count as usize;
             let (mother, copies) = (row.text("name").to_owned(), first..first.saturating_add(count));
-            let mut placement = Placement { volume, copies, mother, is_first: true };
+            let seen = seen.entry(daughter.text("volume")).or_default();
+            let repeated = copies.clone().filter_map(|copy| {
+                let before = seen.entry(copy).or_default();
+                *before += 1;
+                (*before > 1).then_some((copy, *before - 1))
+            });
+            let repeated = repeated.collect();
+            let mut placement = Placement { volume, copies, repeated, mother, is_first: true };
             let named = volumes.placements.entry(daughter.text("name").to_owned()).or_default();
             placement.is_first = named.first().is_none_or(|first| placement.is_replica_of(first));
             named.push(placement);

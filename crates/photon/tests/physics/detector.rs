@@ -131,16 +131,22 @@ fn a_model_without_optical_properties_is_refused() {
 
 /// A row of three slabs of 100 mm that touch, with a surface: photons start in the middle one, along z.
 fn touching_slabs(links: &str) -> rayweave_photon::Detector {
-    let copy = |number: i32, z: i32| {
+    numbered_slabs(links, [4, 5, 6])
+}
+
+/// The same with other copy numbers of the placements `copy4`, `copy5` and `copy6`.
+fn numbered_slabs(links: &str, numbers: [i32; 3]) -> rayweave_photon::Detector {
+    let copy = |name: i32, number: i32, z: i32| {
         format!(
-            r#"<physvol name="copy{number}" copynumber="{number}"><volumeref ref="Slab"/><position name="p{number}" z="{z}" unit="mm"/></physvol>"#
+            r#"<physvol name="copy{name}" copynumber="{number}"><volumeref ref="Slab"/><position name="p{name}" z="{z}" unit="mm"/></physvol>"#
         )
     };
-    let copies = format!("{}{}</volume>", copy(4, -50), copy(6, 150));
+    let copies = format!("{}{}</volume>", copy(4, numbers[0], -50), copy(6, numbers[2], 150));
     let surfaces =
         r#"<opticalsurface name="S" model="glisur" finish="polished" type="dielectric_metal" value="1"/>"#;
     let text = SlabDetector { surfaces, links, ..CLEAR }.text();
-    let text = text.replace(r#"<physvol name="slab">"#, r#"<physvol name="copy5" copynumber="5">"#);
+    let middle = format!(r#"<physvol name="copy5" copynumber="{}">"#, numbers[1]);
+    let text = text.replace(r#"<physvol name="slab">"#, &middle);
     detector(&text.replace(r#"unit="mm"/></physvol></volume>"#, &format!(r#"unit="mm"/></physvol>{copies}"#)))
         .unwrap()
 }
@@ -170,8 +176,65 @@ fn surfaces_between_touching_copies_act() {
     // the way back, and the other neighbour: the photons pass
     assert_eq!(at_inner_faces(&touching_slabs(&border("copy6", "copy5"))), [0, 100]);
     assert_eq!(at_inner_faces(&touching_slabs(&border("copy5", "copy4"))), [0, 100]);
+    // a border is between placements, whatever their copy numbers
+    for numbers in [[5, 5, 5], [0, 0, 0], [5, 5, 4], [4, 5, 5]] {
+        let reflected = |first, second| at_inner_faces(&numbered_slabs(&border(first, second), numbers));
+        assert_eq!(reflected("copy5", "copy6"), [100, 0], "{numbers:?}");
+        assert_eq!(reflected("copy6", "copy5"), [0, 100], "{numbers:?}");
+        assert_eq!(reflected("copy5", "copy4"), [0, 100], "{numbers:?}");
+        assert_eq!(reflected("copy4", "copy5"), [0, 100], "{numbers:?}");
+    }
     // without a surface copies of one volume count as one: no boundary between them
     assert_eq!(at_inner_faces(&touching_slabs("")), [0, 0]);
+}
+
+/// A border around one of two placements of a volume acts there alone: in one mother with equal copy numbers, and in two mothers, where
+/// neither has a number. Two boxes of 100 mm lie above and below the source.
+#[test]
+fn a_border_acts_on_one_placement() {
+    let detects = r#"<opticalsurface name="S" model="unified" finish="polished" type="dielectric_metal" value="1">
+<property name="REFLECTIVITY" ref="ZERO"/><property name="EFFICIENCY" ref="ONE"/></opticalsurface>"#;
+    let inner = r#"<property name="RINDEX" ref="ONE"/>"#;
+    let placed = |name: &str, number: &str, volume: &str, z: i32| {
+        format!(
+            r#"<physvol name="{name}" {number}><volumeref ref="{volume}"/><position name="{name}_at" z="{z}" unit="mm"/></physvol>"#
+        )
+    };
+    let own =
+        r#"<physvol name="slab"><volumeref ref="Slab"/><position name="p" z="50" unit="mm"/></physvol>"#;
+    let shell = |name: &str, inner: &str| {
+        format!(r#"<volume name="{name}"><materialref ref="Outer"/><solidref ref="Shell"/>{inner}</volume>"#)
+    };
+    for number in ["", r#"copynumber="0""#, r#"copynumber="7""#] {
+        let in_one = placed("above", number, "Slab", 50) + &placed("below", number, "Slab", -150);
+        let shells = shell("Upper", &placed("above", number, "Slab", 0))
+            + &shell("Lower", &placed("below", number, "Slab", 0));
+        let in_two = placed("upper", "", "Upper", 60) + &placed("lower", "", "Lower", -160);
+        for (shells, placements, mothers) in
+            [(String::new(), in_one, ["tank", "tank"]), (shells, in_two, ["upper", "lower"])]
+        {
+            for (place, mother, up, down) in [("above", mothers[0], 100, 0), ("below", mothers[1], 0, 100)] {
+                let links = format!(
+                    r#"<volume name="Room"><materialref ref="Outer"/><solidref ref="RoomBox"/>
+<physvol name="tank"><volumeref ref="World"/></physvol></volume>
+<bordersurface name="b" surfaceproperty="S"><physvolref ref="{mother}"/><physvolref ref="{place}"/></bordersurface>"#
+                );
+                let text = SlabDetector { surfaces: detects, links: &links, inner, ..CLEAR }.text();
+                let boxes = r#"<box name="RoomBox" x="3000" y="3000" z="3000" lunit="mm"/>
+<box name="Shell" x="1010" y="1010" z="110" lunit="mm"/></solids>"#;
+                let text = text.replace("</solids>", boxes).replace(own, &placements);
+                let text = text.replace(r#"<world ref="World"/>"#, r#"<world ref="Room"/>"#);
+                let text =
+                    text.replace(r#"<volume name="World">"#, &format!(r#"{shells}<volume name="World">"#));
+                let detector = detector(&text).unwrap();
+                let detected = |z: f64| {
+                    let run = run(&detector, &beam(100, [0.0, 0.0, z], [1.0, 0.0, 0.0]), &settings(100));
+                    count(&run, End::Detected)
+                };
+                assert_eq!([detected(1.0), detected(-1.0)], [up, down], "{number} {mother} {place}");
+            }
+        }
+    }
 }
 
 /// Hits in touching sensors have the path of their copy, and the volume is listed once.
