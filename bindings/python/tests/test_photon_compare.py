@@ -30,7 +30,7 @@ def simulate(bar, seed, n=2000):
 def test_runs_of_one_distribution(bar):
     a, b = simulate(bar, 1), simulate(bar, 2)
     comparison = rp.compare(a.histories, b.histories)
-    assert comparison.photons == (2000, 2000) and not comparison.is_same_run
+    assert comparison.photons == (2000, 2000) and not comparison.is_same_run and comparison.equality is None
     assert set(comparison.quantities) == {"history", "end", "volume", "time", "wavelength"}
     assert comparison["history"].ndf > 10 and comparison["history"].p > 1e-3
     assert sum(own.counts[0] for own in comparison["history"].bins) == 2000
@@ -44,6 +44,8 @@ def test_the_same_run(bar, tmp_path):
     comparison = rp.compare(a.histories, tmp_path / "a.csv")
     assert comparison.is_same_run and comparison.equal_histories == 2000 and comparison.first_difference is None
     assert comparison.worst_z <= 0 and comparison["history"].chi2 == 0
+    assert "are equal: 2000 photons, one by one, in history, end," in comparison.equality
+    assert str(comparison).endswith(comparison.equality)
     other = bar.simulate(rp.point([0, 0, 0], 550), n=2000, seed=1, record="steps", max_steps=20)
     first = rp.compare(a.histories, other.histories).first_difference
     # the first photon with more than 20 steps ends at the limit

@@ -14,8 +14,10 @@ type Quantity = (&'static str, (u64, u64), f64, u64, f64, f64, Vec<(String, (u64
 /// Photons in both samples, equal and expected equal ones, whether they are one run; the first difference: photon, row, histories.
 type Pair = (u64, u64, f64, bool, Option<(i64, usize, (String, String))>);
 
-/// Names, numbers of photons, whether only hits are compared, z of their number; quantities; what is missing; pairs.
-type Row = ((String, String), (u64, u64), bool, f64, Vec<Quantity>, Vec<String>, Option<Pair>);
+/// Names, numbers of photons, whether only hits are compared, the sentence about equal runs, z of their number; quantities; what is missing;
+/// pairs.
+type Row =
+    ((String, String), (u64, u64), bool, Option<String>, f64, Vec<Quantity>, Vec<String>, Option<Pair>);
 
 /// Compares two files of photons: see `rayweave.photons.compare`.
 #[pyfunction]
@@ -43,12 +45,14 @@ fn pair<T>([a, b]: [T; 2]) -> (T, T) {
 }
 
 fn row(found: Comparison) -> Row {
+    let equality = found.equality();
     let quantities = found.quantities.into_iter().map(quantity).collect();
     let names = pair(found.names);
     (
         names,
         pair(found.photons),
         found.is_hits,
+        equality,
         found.hits_z,
         quantities,
         found.missing,

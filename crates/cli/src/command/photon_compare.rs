@@ -15,7 +15,7 @@ use std::path::PathBuf;
 ///
 /// Bins need an expected number of photons in each sample; histories with fewer are pooled by their common beginnings, and other
 /// values with each other. Times and wavelengths have bins with equal numbers of photons of A and B together. If A and B are runs of
-/// the same photons, the first photon with different histories is reported.
+/// the same photons, the first photon with different histories is reported; of equal runs, only that they are equal.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -71,6 +71,9 @@ impl PhotonCompare {
         let Comparison { names: [a, b], photons: [n, m], .. } = comparison;
         let what = if comparison.is_hits { "hits" } else { "photons" };
         let mut text = format!("A {a}: {n} {what}\nB {b}: {m} {what}\n");
+        if let Some(equality) = comparison.equality() {
+            return format!("{text}{equality}\n") + &not_compared(comparison);
+        }
         if comparison.is_hits {
             let z = terminal::short3(comparison.hits_z);
             let of_photons = match self.photons.as_deref() {
@@ -86,10 +89,7 @@ impl PhotonCompare {
         for quantity in &comparison.quantities {
             text += &self.largest(quantity);
         }
-        for reason in &comparison.missing {
-            text += &format!("\nnot compared: {reason}\n");
-        }
-        text + &pairs(comparison)
+        text + &not_compared(comparison) + &pairs(comparison)
     }
 
     /// The bins of a quantity with the largest differences.
@@ -107,6 +107,11 @@ impl PhotonCompare {
         let rows: Vec<Vec<String>> = bins.iter().map(row).collect();
         format!("\n{}", terminal::table(&["A", "B", "z", quantity.name], &rows, &[true, true, true, false]))
     }
+}
+
+/// The lines about quantities that are not compared.
+fn not_compared(comparison: &Comparison) -> String {
+    comparison.missing.iter().map(|reason| format!("\nnot compared: {reason}\n")).collect()
 }
 
 fn row(quantity: &ComparedQuantity) -> Vec<String> {
@@ -166,6 +171,7 @@ fn as_json(comparison: &Comparison) -> Value {
         "b": comparison.names[1],
         "photons": comparison.photons,
         "is_hits": comparison.is_hits,
+        "is_equal": comparison.is_equal,
         "hits_z": comparison.hits_z,
         "quantities": comparison.quantities.iter().map(quantity).collect::<Vec<_>>(),
         "missing": comparison.missing,

@@ -39,11 +39,21 @@ fn tables_of_runs() {
             assert_eq!(quantity(&found, name)["chi2"], 0.0, "{other} {name}");
         }
         assert_eq!(found["pairs"]["equal"], 1000);
+        assert_eq!(found["is_equal"], true);
+        let text = bench.says(&["photons", "compare", "a.csv", other]);
+        let equality =
+            "A and B are equal: 1000 photons, one by one, in history, end, volume, time, wavelength.";
+        assert!(text.ends_with(&format!("{equality}\n")), "{text}");
     }
     let found = bench.json(&["photons", "compare", "a.csv", "b.csv", "--json"]);
     let history = quantity(&found, "history");
     assert!(history["ndf"].as_u64().unwrap() > 10 && history["p"].as_f64().unwrap() > 1e-3, "{history}");
     assert_eq!(found["pairs"]["is_same_run"], false);
+    assert_eq!(found["is_equal"], false);
+    // all hits are equal, not the fractions of different numbers of photons
+    let hits = ["photons", "compare", "hits.csv", "hits.csv"];
+    assert!(bench.says(&hits).contains("are equal"));
+    assert!(!bench.says(&[&hits[..], &["--photons", "1000", "2000"]].concat()).contains("are equal"));
     let found = bench.json(&["photons", "compare", "hits.csv", "b.csv", "--json"]);
     assert_eq!(found["is_hits"], true);
     assert!(found["hits_z"].as_f64().unwrap().abs() < 4.0);

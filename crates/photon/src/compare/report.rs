@@ -47,6 +47,8 @@ pub struct Comparison {
     pub photons: [u64; 2],
     /// Whether only detected photons are compared.
     pub is_hits: bool,
+    /// Whether the samples have the same photons in the same order: all that both of them have is equal.
+    pub is_equal: bool,
     /// The difference of the numbers of hits in standard deviations, in a comparison of hits, else 0: (A - B) / sqrt(A + B) for runs of
     /// equal numbers of photons, or the difference of the fractions of the [numbers of photons](CompareOptions::photons), of a binomial
     /// distribution.
@@ -87,6 +89,7 @@ pub fn compare(
         names: [a.name.clone(), b.name.clone()],
         photons: [a.photons(), b.photons()],
         is_hits,
+        is_equal: are_equal([a, b]) && options.photons.is_none_or(|[n, m]| n == m),
         hits_z: hits_z([a, b], is_hits, options.photons)?,
         quantities: Vec::new(),
         missing: Vec::new(),
@@ -112,6 +115,27 @@ fn reduced(sample: &PhotonSample, is_hits: bool, flags: bool) -> Cow<'_, PhotonS
         false if flags => Cow::Owned(sample.as_flags()),
         false => Cow::Borrowed(sample),
     }
+}
+
+/// True if two samples have the same tracks: equal numbers, histories, volumes, times and wavelengths, as far as both have them.
+fn are_equal(samples: [&PhotonSample; 2]) -> bool {
+    let [a, b] = samples;
+    let both = |has: fn(&PhotonSample) -> bool| samples.into_iter().all(has);
+    let has_numbers = both(|sample| sample.has_numbers);
+    let has_histories = both(|sample| sample.alphabet.is_some());
+    let has_volumes = both(|sample| sample.volumes.is_some());
+    let has_times = both(|sample| sample.has_times);
+    // samples number volumes in an order of their own
+    fn volume<'s>(sample: &'s PhotonSample, track: &SampleTrack) -> Option<&'s String> {
+        sample.volumes.as_ref()?.get(track.volume as usize)
+    }
+    let is_equal = |(one, two): (&SampleTrack, &SampleTrack)| {
+        (!has_numbers || one.photon == two.photon)
+            && (!has_histories || one.history == two.history)
+            && (!has_volumes || volume(a, one) == volume(b, two))
+            && (!has_times || (one.time == two.time && one.wavelength_nm == two.wavelength_nm))
+    };
+    a.tracks.len() == b.tracks.len() && a.tracks.iter().zip(&b.tracks).all(is_equal)
 }
 
 /// The difference of the numbers of hits of two Poisson samples, or of the fractions of photons with hits.
@@ -146,6 +170,17 @@ impl Comparison {
     #[must_use]
     pub fn worst_z(&self) -> f64 {
         self.quantities.iter().map(|quantity| quantity.z).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The result for equal samples in a sentence; `None` for others.
+    #[must_use]
+    pub fn equality(&self) -> Option<String> {
+        let names: Vec<&str> = self.quantities.iter().map(|quantity| quantity.name).collect();
+        let what = if self.is_hits { "hit" } else { "photon" };
+        let s = if self.photons[0] == 1 { "" } else { "s" };
+        self.is_equal.then(|| {
+            format!("A and B are equal: {} {what}{s}, one by one, in {}.", self.photons[0], names.join(", "))
+        })
     }
 
     fn histories(&mut self, samples: [&PhotonSample; 2], options: &CompareOptions) {

@@ -21,12 +21,14 @@ CompareRow: TypeAlias = tuple[
     tuple[str, str],
     tuple[int, int],
     bool,
+    str | None,
     float,
     list[tuple[str, tuple[int, int], float, int, float, float, list[tuple[str, tuple[int, int], float]]]],
     list[str],
     tuple[int, int, float, bool, tuple[int, int, tuple[str, str]] | None] | None,
 ]
-"""Names, numbers of photons, whether only hits are compared, z of their number; quantities; what is missing; pairs."""
+"""Names, numbers of photons, whether only hits are compared, the sentence about equal runs, z of their number; quantities; what is missing;
+pairs."""
 
 Sample: TypeAlias = "str | PathLike[str] | Histories | Sequences | Hits | NDArray[np.generic]"
 """A file, recorded histories, hits, or an array of Opticks."""
@@ -130,6 +132,8 @@ class Comparison(Tabular):
     """The number of photons with equal histories; None where photons have no numbers or histories."""
     first_difference: FirstDifference | None
     """In runs of the same photons the first one with different histories."""
+    equality: str | None
+    """A sentence if all that both runs have is equal, photon by photon; else None."""
 
     def __getitem__(self, name: str) -> Quantity:
         return self.quantities[name]
@@ -151,6 +155,8 @@ class Comparison(Tabular):
 
     def __str__(self) -> str:
         lines = [f"A {self.names[0]}: {self.photons[0]} photons", f"B {self.names[1]}: {self.photons[1]} photons"]
+        if self.equality is not None:
+            return "\n".join([*lines, self.equality])
         for own in self.quantities.values():
             p = "< 1e-300" if own.p < 1e-300 else f"{own.p:.3g}"
             lines.append(f"{own.name:10}  chi2 {own.chi2:.1f} / {own.ndf}  p {p}  z {own.z:.2f}")
@@ -202,7 +208,7 @@ def compare(
         paths = [_path(sample, Path(folder, name)) for sample, name in ((a, "a.npy"), (b, "b.npy"))]
         numbers = None if photons is None else _pair(photons)
         row: CompareRow = _core.compare_photons(paths[0], paths[1], float(least), bool(flags), bool(hits), numbers)
-    _, counts, is_hits, hits_z, quantities, missing, pairs = row
+    _, counts, is_hits, equality, hits_z, quantities, missing, pairs = row
     given = [str(sample) if isinstance(sample, str | PathLike) else type(sample).__name__ for sample in (a, b)]
     found = {
         name: Quantity(name, totals, chi2, ndf, p, z, tuple(Bin(*own) for own in bins))
@@ -219,6 +225,7 @@ def compare(
         pairs is not None and pairs[3],
         None if pairs is None else pairs[1],
         first,
+        equality,
     )
 
 
