@@ -1,7 +1,9 @@
 //! Report of a photon run: how photons end, processes, sequences.
 
 use crate::terminal;
-use rayweave::photon::{Detector, End, Histories, Hits, PhotonPart, PhotonRun, Process, sequence_text};
+use rayweave::photon::{
+    Detector, End, Histories, Hits, PhotonPart, PhotonRun, Process, RemarkTerms, is_dark, sequence_text,
+};
 use rayweave::photon_simulator::PhotonShare;
 use rayweave::table::{Counts, TextIds};
 use serde_json::{Map, Value, json};
@@ -10,9 +12,6 @@ use std::time::Duration;
 
 /// The name that reports use for interfaces without an optical surface.
 const BARE: &str = "(none)";
-
-/// The number of photons from which a run without hits is remarkable.
-const MANY: u64 = 100;
 
 /// The number of sensors that the table of the terminal lists.
 const LISTED_SENSORS: usize = 32;
@@ -144,36 +143,16 @@ impl PhotonReport {
     /// Remarks about a run that probably does not answer the question of its user. `mistakes` counts the probable mistakes in the
     /// optical part of the model, if no photon is detected.
     pub fn remarks(&self, model: &str, mistakes: impl FnOnce() -> usize) -> Vec<String> {
-        let photons = self.run.photons;
-        let mut remarks = Vec::new();
-        if self.hits == 0 && photons >= MANY {
-            remarks.push(match mistakes() {
-                0 => format!(
-                    "note: no photon is detected, and `rayweave check {model}` reports no probable mistake of kind `optical`. \
-                     --counts reports the surfaces that photons reach, --sequences their histories."
-                ),
-                1 => format!(
-                    "note: no photon is detected. `rayweave check {model}` reports 1 probable mistake of kind `optical`."
-                ),
-                n => format!(
-                    "note: no photon is detected. `rayweave check {model}` reports {n} probable mistakes of kind `optical`."
-                ),
-            });
-        }
-        let stopped = *self.run.ends.get(&End::StepLimit).unwrap_or(&0);
-        if 2 * stopped > photons {
-            let part = self.percent(stopped);
-            remarks.push(format!(
-                "note: {part} % of the photons are stopped by the limit of steps: their light is never absorbed. Check the \
-                 absorption lengths and REFLECTIVITY, or raise --max-steps."
-            ));
-        } else if stopped > 0 {
-            remarks.push(format!(
-                "note: {stopped} {} by the limit of steps, which --max-steps raises.",
-                if stopped == 1 { "photon is stopped" } else { "photons are stopped" }
-            ));
-        }
-        remarks
+        let check = format!("`rayweave check {model}`");
+        let terms = RemarkTerms {
+            check: &check,
+            findings: " of kind `optical`",
+            counts: "--counts",
+            max_steps: "--max-steps",
+        };
+        let ends = &self.run.ends;
+        let dark = is_dark(ends).then(|| terms.no_hits(ends, mistakes()));
+        dark.into_iter().chain(terms.stopped(ends)).map(|text| format!("note: {text}")).collect()
     }
 
     /// The numbers of the report that add up over the parts of a run.
