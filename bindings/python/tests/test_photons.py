@@ -248,6 +248,21 @@ def test_the_layout_of_opticks(bar):
     assert set(photons.view(np.uint32)[:, 1, 3]) == {0}
 
 
+def test_masks_of_opticks_have_the_flags_of_all_steps(bar):
+    bits = {name: bit for bit, name in enumerate("CK SI MI AB RE SC SD SA DR SR BR BT TO".split())}
+    run = bar.simulate(from_middle(), n=2000, record="sequences")
+    sequences = run.histories.sequences()
+    texts = dict(zip(sequences.photon.tolist(), sequences.texts))
+    found = run.hits.to_opticks().view(np.uint32)[:, 3, 3].tolist()
+    for photon, mask in zip(run.hits["photon"].tolist(), found):
+        # longer sequences are cut
+        if not texts[photon].endswith("..."):
+            assert mask == sum(1 << bits[flag] for flag in set(texts[photon].split())), texts[photon]
+    assert len(set(found)) > 1
+    # without histories
+    assert set(bar.simulate(from_middle(), n=2000).hits.to_opticks().view(np.uint32)[:, 3, 3]) == {1 << bits["SD"]}
+
+
 def same(a, b):
     return all(np.array_equal(a[name], b[name]) for name in a) and a.sensor_paths == b.sensor_paths
 

@@ -85,6 +85,7 @@ impl PhotonReport {
             // only the counts are needed
             histories.steps = Vec::new();
             histories.sequences = Vec::new();
+            histories.hit_flags = Vec::new();
             counts.append(histories);
         }
     }

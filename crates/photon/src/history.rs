@@ -185,6 +185,14 @@ impl Process {
             Process::End(End::StepLimit | End::TimeLimit) => 0,
         }
     }
+
+    /// The bit of the process in Opticks' masks of flags (`OpticksPhoton.h`); 0 for the limits of a run.
+    pub(crate) fn flag(self) -> u32 {
+        match self.nibble() {
+            0 => 0,
+            nibble => 1 << (nibble - 1),
+        }
+    }
 }
 
 impl From<BoundaryEvent> for Process {
@@ -272,6 +280,8 @@ pub struct Histories {
     pub sequences: Vec<Sequence>,
     /// The number of rows by process.
     pub processes: BTreeMap<Process, u64>,
+    /// The flags of all rows of each detected photon as a mask of the bits in `OpticksPhoton.h`, in the order of the hits.
+    pub hit_flags: Vec<u32>,
     /// The number of boundary events by optical surface (`None`: bare interfaces) and process.
     pub surfaces: BTreeMap<(Option<u32>, Process), u64>,
     volumes: VolumePaths,
@@ -290,6 +300,7 @@ impl Histories {
         let renumbered = |row: StepRow| StepRow { volume: numbers[row.volume as usize], ..row };
         self.steps.extend(other.steps.into_iter().map(renumbered));
         self.sequences.extend(other.sequences);
+        self.hit_flags.extend(other.hit_flags);
         for (process, count) in other.processes {
             *self.processes.entry(process).or_default() += count;
         }
@@ -350,13 +361,17 @@ pub(crate) struct HistoryRecorder<'s> {
     histories: Histories,
     /// The rows of each track so far, and its sequence.
     sequences: HashMap<(u64, u64), (usize, [u64; 2])>,
+    /// The flags of each track in flight.
+    flags: HashMap<(u64, u64), u32>,
+    /// The number, the steps and the flags of each detected photon.
+    detected: Vec<(u64, u32, u32)>,
     volume: u32,
 }
 
 impl<'s> HistoryRecorder<'s> {
     pub fn new(options: HistoryOptions, source: &'s Source) -> HistoryRecorder<'s> {
-        let (histories, sequences) = (Histories::default(), HashMap::new());
-        HistoryRecorder { options, source, histories, sequences, volume: 0 }
+        let (histories, sequences, flags) = (Histories::default(), HashMap::new(), HashMap::new());
+        HistoryRecorder { options, source, histories, sequences, flags, detected: Vec::new(), volume: 0 }
     }
 
     /// The process that emits a photon of the source.
@@ -370,6 +385,12 @@ impl<'s> HistoryRecorder<'s> {
 
     fn row(&mut self, flight: &Flight, process: Process, surface: Option<u32>) {
         *self.histories.processes.entry(process).or_default() += 1;
+        let flags = self.flags.entry((flight.origin, flight.number)).or_default();
+        *flags |= process.flag();
+        if let Process::End(end) = process {
+            let flags = self.flags.remove(&(flight.origin, flight.number)).unwrap_or_default();
+            self.detected.extend((end == End::Detected).then_some((flight.origin, flight.steps, flags)));
+        }
         if self.options.sequences {
             let (rows, words) = self.sequences.entry((flight.origin, flight.number)).or_default();
             if *rows < SLOTS {
@@ -436,6 +457,9 @@ impl Recorder for HistoryRecorder<'_> {
         let mut histories = std::mem::take(&mut self.histories);
         // by photon, whatever the number of steps; rows of one step keep their order
         histories.steps.sort_by_key(|row| (row.photon, row.track, row.step));
+        // as the hits
+        self.detected.sort_by_key(|&(photon, steps, _)| (photon, steps));
+        histories.hit_flags = self.detected.drain(..).map(|(.., flags)| flags).collect();
         let sequence = |((photon, track), (_, words)): ((u64, u64), (usize, [u64; 2]))| Sequence {
             photon: photon as i64,
             track: track as i64,

@@ -31,12 +31,13 @@ mod hits;
 mod lines;
 mod lint;
 mod material;
+mod opticks;
 pub mod philox;
 mod photon;
 mod propagate;
 pub mod property;
-mod rows;
 mod remarks;
+mod rows;
 mod sample;
 mod scatter;
 mod scintillation;
@@ -68,11 +69,12 @@ pub use lint::{LintFinding, lint};
 pub use material::{
     Compressibility, Mie, OpticalMaterial, ScintillationComponent, WavelengthShifter, rayleigh_length,
 };
+pub use opticks::{OpticksHits, opticks_photons};
 pub use photon::Photon;
 pub use propagate::{PhotonPart, PhotonRun, simulate, simulate_parts};
+pub use remarks::{RemarkTerms, is_dark};
 pub use sample::LinearDensity;
 pub use scintillation::ScintillationLight;
-pub use remarks::{RemarkTerms, is_dark};
 pub use settings::{RunSettings, TimeProfile};
 pub use source::{Directions, Origin, Pulse, Source, SourceVolume, Torch, WavelengthDistribution};
 pub use start::{check_start, emit};

@@ -6,6 +6,7 @@
 //! - [`AtomicFile`] is an output file that appears complete or not at all.
 //! - [`AllowedFiles`] decides which files a model may read.
 //! - [`NpyArray`] is a whole array of float64 numbers, read from an NPY file.
+//! - [`NpySingles`] writes an NPY array of float32 numbers row by row.
 //! - [`TableReader`] reads a table row by row.
 //! - [`Part`] describes a part of a table, a range of its rays; [`PartSet`] joins the parts to the whole.
 //! - [`TextIds`] numbers texts.
@@ -37,6 +38,7 @@ mod error;
 mod format;
 mod npy_array;
 mod npy_header;
+mod npy_singles;
 mod opened;
 mod part;
 mod rays;
@@ -52,6 +54,7 @@ pub use chunk::{Chunk, Values};
 pub use content_hash::ContentHash;
 pub use error::{RayProblem, RayProblems, TableError};
 pub use npy_array::{NpyArray, NpyArrayError, read_npy_words};
+pub use npy_singles::NpySingles;
 pub use opened::{FileStamp, record_opened};
 pub use part::{Counts, Part, PartSet, missing_ranges};
 pub use rays::{LIGHT_COLUMNS, Progress, RAY_COLUMNS, RAYS_PER_CHUNK, RayChunk, RayReader};

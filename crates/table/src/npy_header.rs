@@ -22,7 +22,20 @@ pub(crate) fn is_npy(start: &[u8]) -> bool {
 
 /// Magic number, version and header of a table with this number of rows. The length depends on the schema only.
 pub(crate) fn table(schema: &Schema, rows: u64) -> Vec<u8> {
-    let longest = dictionary(schema, u64::MAX);
+    padded(&dictionary(schema, u64::MAX), &dictionary(schema, rows))
+}
+
+/// The same for an array of float32 numbers of shape (rows, ...), with the lengths of the other dimensions. The length depends on
+/// these only.
+pub(crate) fn single(rows: u64, inner: &[u64]) -> Vec<u8> {
+    let inner: String = inner.iter().map(|length| format!(" {length},")).collect();
+    let dictionary =
+        |rows: u64| format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows},{inner}), }}");
+    padded(&dictionary(u64::MAX), &dictionary(rows))
+}
+
+/// A header with a dictionary, as long as with the longest one.
+fn padded(longest: &str, dictionary: &str) -> Vec<u8> {
     let (version, length_size): (u8, usize) = match longest.len() {
         _ if !longest.is_ascii() => (3, 4),
         // magic number and padding take at most 128 bytes
@@ -36,7 +49,7 @@ pub(crate) fn table(schema: &Schema, rows: u64) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     bytes.extend([version, 0]);
     bytes.extend(&length[..length_size]);
-    bytes.extend(dictionary(schema, rows).as_bytes());
+    bytes.extend(dictionary.as_bytes());
     bytes.resize(total - 1, b' ');
     bytes.push(b'\n');
     bytes

@@ -1165,6 +1165,9 @@ class PhotonHits:
     def sensor_paths(self) -> list[str]:
         """The paths of the sensors, in the order of their placements."""
 
+    def opticks(self) -> NDArray[np.uint32]:
+        """The photons in the layout of Opticks, as the bits of float32 numbers."""
+
     def save(self, path: str | PathLike[str]) -> None:
         """Writes the table of hits of the command: .csv, .npy or .parquet."""
 
@@ -1199,6 +1202,15 @@ class PhotonRun:
     @property
     def ends(self) -> dict[str, int]:
         """The number of photons by way of ending."""
+
+    @property
+    def is_dark(self) -> bool:
+        """Whether the run has many photons and no hit."""
+
+    def notes(self, mistakes: int | None = None) -> list[str]:
+        """Remarks about the run: with a number of probable mistakes in the detector, that about a run without hits, and that about
+        photons stopped by the limit of steps.
+        """
 
     @property
     def hits(self) -> PhotonHits:

@@ -4,11 +4,12 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use numpy::PyArray1;
+use numpy::ndarray::Array3;
+use numpy::{PyArray1, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::detector::{Histogram, HitPositions, MapPlane, MapScale, histograms_svg, hit_maps_svg};
-use rayweave::photon::{Hits, hit_table};
+use rayweave::photon::{Hits, hit_table, opticks_photons};
 use rayweave::table::TableError;
 
 use crate::error::bad_value;
@@ -18,6 +19,8 @@ use crate::photons::parts::DetectorParts;
 #[pyclass(frozen, module = "rayweave.photons", name = "PhotonHits")]
 pub struct PyPhotonHits {
     pub hits: Hits,
+    /// The masks of flags, if histories are recorded.
+    pub flags: Option<Vec<u32>>,
     pub detector: Arc<DetectorParts>,
 }
 
@@ -60,6 +63,15 @@ impl PyPhotonHits {
     #[getter]
     fn sensor_paths(&self) -> Vec<String> {
         self.hits.paths().iter().map(ToString::to_string).collect()
+    }
+
+    /// The photons in the layout of Opticks, as the bits of float32 numbers.
+    #[pyo3(signature = () -> "NDArray[np.uint32]")]
+    fn opticks<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<u32>> {
+        let words = opticks_photons(&self.hits, self.flags.as_deref(), |sensor| sensor).flatten();
+        let array = Array3::from_shape_vec((self.hits.len(), 4, 4), words.collect());
+        // the number of words is that of the shape
+        PyArray3::from_owned_array(py, array.unwrap_or_default())
     }
 
     /// Writes the table of hits of the command: .csv, .npy or .parquet.

@@ -1,5 +1,6 @@
 //! Runs of photons: results, progress and interrupts.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -7,7 +8,7 @@ use std::time::{Duration, Instant};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayweave::photon::{End, Histories, PhotonError, PhotonRun};
+use rayweave::photon::{End, Histories, PhotonError, PhotonRun, RemarkTerms, is_dark};
 
 use crate::error::bad_value;
 use crate::photons::histories::PyHistories;
@@ -23,7 +24,7 @@ pub struct PyPhotonRun {
     photons: u64,
     steps: u64,
     seconds: f64,
-    ends: Vec<(&'static str, u64)>,
+    ends: BTreeMap<End, u64>,
     hits: Py<PyPhotonHits>,
     histories: Option<Py<PyHistories>>,
 }
@@ -31,13 +32,12 @@ pub struct PyPhotonRun {
 impl PyPhotonRun {
     pub fn new(
         mut run: PhotonRun,
-        histories: Option<Histories>,
+        mut histories: Option<Histories>,
         duration: Duration,
         detector: Arc<DetectorParts>,
     ) -> PyResult<PyPhotonRun> {
         run.hits.number_by(&detector.detector);
-        let count = |end: &End| (end.name(), run.ends.get(end).copied().unwrap_or(0));
-        let ends = End::ALL.iter().map(count).collect();
+        let flags = histories.as_mut().map(|histories| std::mem::take(&mut histories.hit_flags));
         Python::attach(|py| {
             let own = detector.clone();
             let histories = histories.map(|histories| Py::new(py, PyHistories::new(histories, own)));
@@ -45,8 +45,8 @@ impl PyPhotonRun {
                 photons: run.photons,
                 steps: run.steps,
                 seconds: duration.as_secs_f64(),
-                ends,
-                hits: Py::new(py, PyPhotonHits { hits: run.hits, detector })?,
+                ends: run.ends,
+                hits: Py::new(py, PyPhotonHits { hits: run.hits, flags, detector })?,
                 histories: histories.transpose()?,
             })
         })
@@ -78,8 +78,28 @@ impl PyPhotonRun {
     #[cfg_attr(false, stub("() -> dict[str, int]"))]
     fn ends<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let table = PyDict::new(py);
-        self.ends.iter().try_for_each(|(end, count)| table.set_item(end, count))?;
+        End::ALL.iter().try_for_each(|end| table.set_item(end.name(), self.ends.get(end).unwrap_or(&0)))?;
         Ok(table)
+    }
+
+    /// Whether the run has many photons and no hit.
+    #[getter]
+    fn is_dark(&self) -> bool {
+        is_dark(&self.ends)
+    }
+
+    /// Remarks about the run: with a number of probable mistakes in the detector, that about a run without hits, and that about
+    /// photons stopped by the limit of steps.
+    #[pyo3(signature = (mistakes = None))]
+    fn notes(&self, mistakes: Option<usize>) -> Vec<String> {
+        let terms = RemarkTerms {
+            check: "`check()` of the detector",
+            findings: "",
+            counts: "record=\"counts\"",
+            max_steps: "max_steps",
+        };
+        let dark = mistakes.map(|mistakes| terms.no_hits(&self.ends, mistakes));
+        dark.into_iter().chain(terms.mostly_stopped(&self.ends)).collect()
     }
 
     /// The detected photons.

@@ -17,11 +17,11 @@ use rayweave::check::{CheckSettings, Hierarchy, protruding};
 use rayweave::detector::{Histogram, HitPositions, MapPlane, MapScale, histograms_svg, hit_maps_svg};
 use rayweave::layout::{LayoutPlane, OpticalLayout};
 use rayweave::photon::{
-    DetectionRule, Detector, Histories, HistoryOptions, Hits, PhotonError, RunSettings, Source, TimeProfile,
-    check_start, history_schema, hit_schema, hit_table, lint, simulate_parts, step_schema,
+    DetectionRule, Detector, Histories, HistoryOptions, Hits, OpticksHits, PhotonError, RunSettings, Source,
+    TimeProfile, check_start, history_schema, hit_schema, hit_table, lint, simulate_parts, step_schema,
 };
 use rayweave::scene::{Document, Scene};
-use rayweave::table::{ContentHash, Counts, Part, TableError, TableWriter};
+use rayweave::table::{AtomicFile, ContentHash, Counts, Part, TableError, TableWriter};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -106,6 +106,14 @@ pub struct Simulation {
     #[arg(short, long, value_name = "TABLE")]
     out: Option<PathBuf>,
 
+    /// Layout of the hits: a table, or Opticks' array (n, 4, 4) of float32 numbers in a .npy file
+    ///
+    /// The array is that of Opticks' hit.npy (sphoton.h). Its mask has the flags of all steps of a photon in runs that record histories, such
+    /// as those with --counts, and else SURFACE_DETECT alone. Its numbers of sensors, plus 1, are those of an NPY table. `merge` does not join
+    /// such arrays: join those of several ranges by numpy.concatenate.
+    #[arg(long, value_name = "LAYOUT", requires = "out", default_value = "table", value_parser = layout())]
+    layout: HitLayout,
+
     /// Table of steps of all photons: .csv, .npy (with a table of names) or .parquet (if built in). It is written during the run: memory does not grow with the number of photons
     #[arg(long, value_name = "TABLE")]
     steps: Option<PathBuf>,
@@ -115,7 +123,7 @@ pub struct Simulation {
     #[arg(long, value_name = "TABLE")]
     histories: Option<PathBuf>,
 
-    /// Drawing of tracks, .svg, .pdf, .png or .jpg: a section of the detector with the tracks of the first photons, coloured by wavelength
+    /// Drawing of tracks, .svg, .pdf, .png or .jpg: a section of the detector with the tracks of photons from the whole run, coloured by wavelength
     #[arg(long, value_name = "DRAWING")]
     draw: Option<PathBuf>,
 
@@ -123,7 +131,7 @@ pub struct Simulation {
     #[arg(long, value_name = "PLANE", requires = "draw")]
     plane: Option<LayoutPlane>,
 
-    /// Number of photons in the drawing of tracks
+    /// Number of photons in the drawing of tracks, evenly spread over the run
     #[arg(long, value_name = "N", requires = "draw", default_value_t = 100, value_parser = crate::arguments::any_count::<u64>)]
     tracks: u64,
 
@@ -178,6 +186,19 @@ fn detection_rule() -> impl TypedValueParser<Value = DetectionRule> {
 fn time_profile() -> impl TypedValueParser<Value = TimeProfile> {
     let names = PossibleValuesParser::new(TimeProfile::ALL.map(TimeProfile::name));
     names.map(|name| TimeProfile::from_name(&name).unwrap_or_default())
+}
+
+/// The layout of the hits in their file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum HitLayout {
+    Table,
+    Opticks,
+}
+
+/// Reads the name of a layout.
+fn layout() -> impl TypedValueParser<Value = HitLayout> {
+    let names = PossibleValuesParser::new(["table", "opticks"]);
+    names.map(|name| if name == "opticks" { HitLayout::Opticks } else { HitLayout::Table })
 }
 
 /// Reads the name of a scale of colours.
@@ -245,9 +266,16 @@ impl Simulation {
                 .filter(|(_, path)| *path != Path::new("-"))
                 .try_for_each(|(_, path)| TableWriter::check_part(path))?;
         }
-        if let Some(path) = self.out.as_deref().filter(|_| !is_piped) {
-            // a path that cannot be written is reported before the detector is read; the unfinished file is removed
-            TableWriter::create(path, &hit_schema(false)?)?;
+        // a path that cannot be written is reported before the detector is read; the unfinished file is removed
+        match (self.layout, self.out.as_deref()) {
+            (HitLayout::Opticks, Some(path)) => {
+                check_array(path)?;
+                AtomicFile::create(path)?;
+            }
+            (HitLayout::Table, Some(path)) if !is_piped => {
+                drop(TableWriter::create(path, &hit_schema(false)?)?)
+            }
+            _ => {}
         }
         let (document, scene) = self.model.load_document()?;
         let tables = self.tables.tables()?;
@@ -329,13 +357,15 @@ impl Simulation {
 
     /// True if the run writes a table or a drawing.
     fn writes_files(&self) -> bool {
-        self.tables().next().is_some() || self.drawings().next().is_some()
+        self.out.is_some() || self.tables().next().is_some() || self.drawings().next().is_some()
     }
 
     /// The tables to write, with the name of their content.
     fn tables(&self) -> impl Iterator<Item = (&'static str, &Path)> {
-        let tables = [("hits", &self.out), ("steps", &self.steps), ("histories", &self.histories)];
-        tables.into_iter().filter_map(|(name, path)| Some((name, path.as_deref()?)))
+        let hits = self.out.as_deref().filter(|_| self.layout == HitLayout::Table);
+        let tables =
+            [("hits", hits), ("steps", self.steps.as_deref()), ("histories", self.histories.as_deref())];
+        tables.into_iter().filter_map(|(name, path)| Some((name, path?)))
     }
 
     /// The descriptions of the tables, if a range is given; none for standard output.
@@ -403,7 +433,7 @@ impl Simulation {
         [&self.draw, &self.map, &self.spectra].into_iter().flatten()
     }
 
-    /// Draws the tracks of the first photons of the run, which are simulated once more: the same photons have the same tracks.
+    /// Draws the tracks of some photons, spread over the run, which are simulated once more: the same photons have the same tracks.
     fn draw_tracks(
         &self,
         detector: &Detector,
@@ -411,16 +441,16 @@ impl Simulation {
         settings: &RunSettings,
     ) -> Result<(), Failure> {
         let Some(path) = &self.draw else { return Ok(()) };
-        let Range { start, end } = settings.photons;
-        let settings =
-            RunSettings { photons: start..end.min(start.saturating_add(self.tracks)), ..settings.clone() };
         let options = HistoryOptions { steps: true, sequences: false };
         let evaluator = Packets::new(detector.program().clone());
         let mut histories = Histories::default();
-        simulate_parts(detector, &evaluator, source, &settings, Some(options), |part| {
-            part.histories.into_iter().for_each(|own| histories.append(own));
-            Ok::<(), PhotonError>(())
-        })?;
+        for photons in spread(&settings.photons, self.tracks) {
+            let settings = RunSettings { photons, ..settings.clone() };
+            simulate_parts(detector, &evaluator, source, &settings, Some(options), |part| {
+                part.histories.into_iter().for_each(|own| histories.append(own));
+                Ok::<(), PhotonError>(())
+            })?;
+        }
         let medium = |region| detector.medium(region);
         let layout = OpticalLayout::of_light(&evaluator, medium, histories.to_segments(), self.plane)?;
         let layout = layout.with_sensors(detector.sensors().map(|(region, _)| region));
@@ -463,7 +493,10 @@ impl Simulation {
         let evaluator = Packets::new(detector.program().clone());
         let has_gensteps = matches!(source, Source::Gensteps(_));
         let create = |path: &Path| hit_table(path, detector, has_gensteps);
-        let mut hits = self.out.as_deref().map(create).transpose()?;
+        let is_table = self.layout == HitLayout::Table;
+        let mut hits = self.out.as_deref().filter(|_| is_table).map(create).transpose()?;
+        let create = |path: &Path| OpticksHits::create(path, detector);
+        let mut array = self.out.as_deref().filter(|_| !is_table).map(create).transpose()?;
         let steps = self.steps.as_deref().map(|path| TableWriter::create(path, &step_schema(detector)?));
         let mut steps = steps.transpose()?;
         let create = |path: &Path| TableWriter::create(path, &history_schema()?);
@@ -482,6 +515,10 @@ impl Simulation {
             if let Some(table) = &mut hits {
                 table.write(&part.run.hits.to_rows()?)?;
             }
+            if let Some(array) = &mut array {
+                let flags = part.histories.as_ref().map(|histories| &histories.hit_flags[..]);
+                array.write(&part.run.hits, flags)?;
+            }
             if let (Some(table), Some(histories)) = (&mut steps, &part.histories) {
                 table.write(&histories.to_rows()?)?;
             }
@@ -497,6 +534,7 @@ impl Simulation {
         device::note(simulator.finish()?.as_deref(), global.quiet);
         report.duration = begin.elapsed();
         report.share = simulator.share();
+        array.map_or(Ok(()), OpticksHits::finish)?;
         let counts = report.counts();
         for (table, path) in [(hits, &self.out), (steps, &self.steps), (ends, &self.histories)] {
             if let (Some(table), Some(path)) = (table, path) {
@@ -505,6 +543,30 @@ impl Simulation {
         }
         Ok(report)
     }
+}
+
+/// Checks the name of a file of Opticks' photons.
+fn check_array(path: &Path) -> Result<(), Failure> {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npy")) {
+        return Ok(());
+    }
+    let reason = "--layout opticks writes an NPY array. Give a file name that ends with .npy.";
+    Err(Failure::Usage(format!("-o is {}: {reason}", path.display())))
+}
+
+/// Up to `count` numbers of a range, evenly spread and beginning with the first one, as ranges of consecutive numbers.
+fn spread(&Range { start, end }: &Range<u64>, count: u64) -> Vec<Range<u64>> {
+    let total = end.saturating_sub(start);
+    let count = count.min(total);
+    let number = |k: u64| start + (u128::from(k) * u128::from(total) / u128::from(count)) as u64;
+    let mut ranges: Vec<Range<u64>> = Vec::new();
+    for number in (0..count).map(number) {
+        match ranges.last_mut().filter(|last| last.end == number) {
+            Some(last) => last.end += 1,
+            None => ranges.push(number..number + 1),
+        }
+    }
+    ranges
 }
 
 /// Parses the number of cells of a map.
@@ -528,5 +590,25 @@ fn finish(
             table.finish_part(&part).map(|_| ())
         }
         None => table.finish().map(|_| ()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spread;
+
+    #[test]
+    fn spread_numbers_cover_the_range() {
+        let numbers = |range, count| spread(&range, count).into_iter().flatten().collect::<Vec<u64>>();
+        assert_eq!(numbers(100..200, 4), [100, 125, 150, 175]);
+        assert_eq!(numbers(5..12, 3), [5, 7, 9]);
+        // 0, 1.25, 2.5, 3.75
+        assert_eq!(numbers(0..5, 4), [0, 1, 2, 3]);
+        assert_eq!(numbers(3..9, 10), [3, 4, 5, 6, 7, 8]);
+        assert_eq!(spread(&(3..9), 10).len(), 1);
+        assert_eq!(numbers(3..3, 10), [0; 0]);
+        assert_eq!(numbers(3..9, 0), [0; 0]);
+        // no overflow
+        assert_eq!(numbers(0..u64::MAX, 2), [0, u64::MAX / 2]);
     }
 }

@@ -363,6 +363,55 @@ fn histories_and_drawings() {
     assert!(bench.fails(2, &run(&["--map-bins", "3"])).contains("--map"));
 }
 
+/// The array of Opticks has the hits of the table. Its masks have the flags of the sequences if histories are recorded.
+#[test]
+fn hits_as_photons_of_opticks() {
+    let bench = bench();
+    let array = |more: &[&str]| {
+        let arguments = [&["-o", "hits.npy", "--layout", "opticks", "--json"][..], more].concat();
+        bench.json(&run(&arguments));
+        let bytes = bench.bytes("hits.npy");
+        let (header, data) = bytes.split_at(128);
+        let words: Vec<u32> =
+            data.chunks(4).map(|word| u32::from_le_bytes(word.try_into().unwrap())).collect();
+        let shape = format!("'descr': '<f4', 'fortran_order': False, 'shape': ({}, 4, 4,)", words.len() / 16);
+        assert!(String::from_utf8_lossy(header).contains(&shape), "{header:?}");
+        words.chunks(16).map(|photon| photon.try_into().unwrap()).collect::<Vec<[u32; 16]>>()
+    };
+    bench.json(&run(&["--json", "-o", "hits.csv", "--histories", "histories.csv"]));
+    let table = bench.read("hits.csv");
+    let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let (plain, marked) = (array(&[]), array(&["--counts"]));
+    assert_eq!((plain.len(), marked.len()), (rows.len(), rows.len()));
+    assert!(rows.len() > 50, "{}", rows.len());
+    let histories = bench.read("histories.csv");
+    let flag = |process: &str| match process {
+        "emission" => 1 << 12,
+        "fresnel_refraction" => 1 << 11,
+        "fresnel_reflection" | "total_internal_reflection" => 1 << 10,
+        "spike_reflection" => 1 << 9,
+        "lambertian_reflection" => 1 << 8,
+        "detected" => 1 << 6,
+        _ => panic!("{process}"),
+    };
+    for ((row, own), marked) in rows.iter().zip(&plain).zip(&marked) {
+        let single = |column: usize| row[column].parse::<f32>().unwrap().to_bits();
+        let floats = [2, 3, 4, 5, 6, 7, 8].map(single);
+        assert_eq!(floats, own[..7]);
+        assert_eq!([9, 10, 11, 12].map(single), own[8..12]);
+        // the index of the instance, the flag, the sensor plus 1, the photon, the mask
+        let photon: u32 = row[1].parse().unwrap();
+        assert_eq!([own[7], own[12], own[13], own[14], own[15]], [0, 64, 1, photon, 64]);
+        assert_eq!(own[..15], marked[..15]);
+        let history = histories.lines().find(|line| line.starts_with(&format!("{photon},"))).unwrap();
+        let processes = history.split(',').nth(3).unwrap().split(' ');
+        assert_eq!(marked[15], processes.map(flag).fold(0, |mask, flag| mask | flag), "{history}");
+    }
+    assert!(bench.fails(2, &run(&["-o", "hits.csv", "--layout", "opticks"])).contains("ends with .npy"));
+    assert!(bench.fails(2, &run(&["-o", "-", "--layout", "opticks"])).contains("ends with .npy"));
+    assert!(bench.fails(2, &run(&["--layout", "opticks"])).contains("--out"));
+}
+
 /// A note of a run without hits states the number of mistakes that `check` finds, or that it finds none.
 #[test]
 fn the_note_of_a_dark_run_is_true() {

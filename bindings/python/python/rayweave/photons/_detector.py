@@ -27,9 +27,6 @@ _HC = 1239.841984332002
 #: The limit of steps by default.
 _MAX_STEPS = 10_000
 
-#: The number of photons from which a run without hits is remarkable.
-_MANY = 100
-
 Numbers: TypeAlias = NDArray[np.float64]
 _Thing = TypeVar("_Thing", bound="_Described")
 Record: TypeAlias = Literal["counts", "sequences", "steps"]
@@ -388,22 +385,11 @@ class Detector:
 
     def _notes(self, run: Run) -> tuple[str, ...]:
         """Sentences about a run that probably does not answer the question of its user."""
-        notes = []
-        if run.hits.rows == 0 and run.hits.sensor_paths and run.photons >= _MANY:
-            most, count = max(run.ends.items(), key=lambda end: end[1])
-            findings = self.compiled.findings()
-            mistakes = sum(kind == "optical" for kind, _, _ in findings)
-            notes.append(
-                f"no photon is detected: {count} of {run.photons} end as {most}. `check()` of the detector reports "
-                f"{mistakes or 'no'} probable mistake{'' if mistakes == 1 else 's'}; record=\"counts\" counts the processes at each surface."
-            )
-        stopped = run.ends["step_limit"]
-        if 2 * stopped > run.photons:
-            notes.append(
-                f"{stopped} of {run.photons} photons are stopped by the limit of steps: their light is never absorbed. Check the "
-                "absorption lengths and REFLECTIVITY, or raise max_steps."
-            )
-        return tuple(notes)
+        mistakes = None
+        # a world without sensors detects nothing
+        if run.compiled.is_dark and run.hits.sensor_paths:
+            mistakes = sum(kind == "optical" for kind, _, _ in self.compiled.findings())
+        return tuple(run.compiled.notes(mistakes))
 
     def stream(
         self,

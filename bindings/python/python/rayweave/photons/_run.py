@@ -21,10 +21,6 @@ from rayweave.optics._given import package
 
 Numbers = NDArray[np.float64]
 
-#: The bit of a detected photon in Opticks' flags (SURFACE_DETECT of OpticksPhoton.h).
-_SURFACE_DETECT = 1 << 6
-
-
 class _Named(Columns):
     """Columns, some of which are numbers of names."""
 
@@ -153,22 +149,10 @@ class Hits(_Named):
 
         Rows: position and time; direction and, as an integer, the index of the instance, which is 0; polarisation and wavelength; as
         integers (`view(np.uint32)`), the flag SURFACE_DETECT, the number of the sensor plus 1 (24 bits) with the upper bits of the
-        photon's number, its lower bits, and the flag mask. The mask has only SURFACE_DETECT, where Opticks has the flags of all
-        steps: `Histories.sequences` has those. Opticks' number of the boundary is 0.
+        photon's number, its lower bits, and the flag mask. The mask has the flags of all steps if the run records histories (`record`),
+        else SURFACE_DETECT alone. Opticks' number of the boundary is 0.
         """
-        found = np.zeros((self.rows, 4, 4), np.float32)
-        found[:, 0, :3], found[:, 0, 3] = self.position, self.time
-        # the fourth number of this row is the index of the instance, an integer
-        found[:, 1, :3] = self.direction
-        found[:, 2, :3], found[:, 2, 3] = self.polarisation, self.wavelength_nm
-        flags = found.view(np.uint32)[:, 3]
-        photon = self["photon"].astype(np.uint64)
-        flags[:, 0] = _SURFACE_DETECT
-        flags[:, 1] = ((photon >> np.uint64(32)) & np.uint64(0xFF)) << np.uint64(24)
-        flags[:, 1] |= (self["sensor"] + 1).astype(np.uint32) & np.uint32(0xFFFFFF)
-        flags[:, 2] = photon & np.uint64(0xFFFFFFFF)
-        flags[:, 3] = _SURFACE_DETECT
-        return found
+        return self._compiled.opticks().view(np.float32)
 
     def plot(
         self, plane: str | None = None, *, bins: int | None = None, scale: Literal["linear", "log"] = "linear"
@@ -354,6 +338,7 @@ class Run:
     """
 
     def __init__(self, compiled: _core.PhotonRun, title: str) -> None:
+        self.compiled = compiled
         self.photons: int = compiled.photons
         """The number of photons, with those that wavelength shifters emitted in addition."""
         self.steps: int = compiled.steps
