@@ -305,8 +305,10 @@ pub fn any_count<T: TryFrom<u64>>(text: &str) -> Result<T, String> {
     T::try_from(whole_number(text)?).map_err(|_| "it is too large".to_owned())
 }
 
-/// A hash of a value by its debug output, which has all digits of its numbers.
+/// A hash of a value by its debug output, which has all digits of its numbers. Not for compiled systems: they contain the SIMD level of
+/// the processor, and parts from different machines have to agree.
 pub fn debug_hash(value: &impl fmt::Debug) -> String {
+    debug_assert!(!format!("{value:?}").contains(" level: "), "the hash depends on the processor");
     let mut hash = ContentHash::new();
     // writing to a hash cannot fail
     let _ = write!(hash, "{value:?}");

@@ -1,7 +1,7 @@
 //! Lens files as models: a sequential prescription converted to solids, with the light of its
 //! fields.
 
-use crate::arguments::ModelArguments;
+use crate::arguments::{ModelArguments, debug_hash};
 use crate::failure::Failure;
 use crate::terminal::{self, short};
 use rayweave::lens::analysis::{PupilQuadrature, needs_aiming};
@@ -22,6 +22,8 @@ const FAINTEST: f64 = 1e-6;
 
 /// An optical system with its light.
 pub struct Bench {
+    /// A hash of the document or lens, the same on every machine; without the contents of files of rays.
+    pub identity: String,
     pub optics: OpticalScene,
     /// The symbol of its unit of length.
     pub unit: &'static str,
@@ -80,7 +82,8 @@ pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
     let settings = TraceSettings { threshold: FAINTEST / rays, ..TraceSettings::default() };
     let optics = OpticalScene { assembly, sources: Sources::new(sources), settings };
     let (unit, fields) = (unit(&lens), field_texts(&lens));
-    Ok(Bench { optics, unit, image: Some(IMAGE), sequence, fields, lens: Some(Box::new(lens)) })
+    let identity = debug_hash(&lens);
+    Ok(Bench { identity, optics, unit, image: Some(IMAGE), sequence, fields, lens: Some(Box::new(lens)) })
 }
 
 /// The symbol of the unit of length of a lens; empty for an unusual one.

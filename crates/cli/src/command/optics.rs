@@ -17,7 +17,7 @@ use rayweave::optics::file::{OpticalScene, optics_of};
 use rayweave::optics::table::{LightSummary, SegmentFile, trace_light, write_paths};
 use rayweave::optics::{Balance, Branches, Paths, Segments, System, Tracer};
 use rayweave::scene::{Diagnostic, Diagnostics, Document};
-use rayweave::table::{Part, TableWriter};
+use rayweave::table::{ContentHash, Part, TableWriter};
 use rayweave::{Message, Packets};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -174,13 +174,13 @@ impl Optics {
         let is_piped = self.is_piped()?;
         let drawings = [&self.layout, &self.drawing, &self.spot, &self.map];
         drawings.into_iter().flatten().try_for_each(|path| drawing::check(path))?;
-        let Bench { optics, unit, image, sequence, fields, lens } = self.bench()?;
+        let Bench { identity, optics, unit, image, sequence, fields, lens } = self.bench()?;
         let lens = lens.as_deref();
         let data = lens.map(|lens| LensData::new(lens, &fields, unit)).transpose();
         let data = data.map_err(|error| lens_file::wrong(&self.model, &error))?;
         let optics = self.resolved(global, optics)?;
         let system = optics.assembly.compile()?;
-        let part = self.part(&optics, &system)?;
+        let part = self.part(&identity, &optics)?;
         let done = self.out.as_deref().zip(part.as_ref());
         if self.part.is_done(done.into_iter(), global.quiet) {
             return Ok(());
@@ -231,8 +231,9 @@ impl Optics {
         if optics.sources.count() == 0 {
             return Err(no_source(&document).into());
         }
-        let unit = scene.unit.symbol();
-        Ok(Bench { optics, unit, image: None, sequence: Vec::new(), fields: Vec::new(), lens: None })
+        let identity = ContentHash::of_text(&format!("{} {}", scene.content_hash(), document.tables_hash()));
+        let (unit, sequence, fields) = (scene.unit.symbol(), Vec::new(), Vec::new());
+        Ok(Bench { identity, optics, unit, image: None, sequence, fields, lens: None })
     }
 
     /// The files that are written.
@@ -266,7 +267,7 @@ impl Optics {
     }
 
     /// The part that is traced, if a range is given.
-    fn part(&self, optics: &OpticalScene, system: &System) -> Result<Option<Part>, Failure> {
+    fn part(&self, identity: &str, optics: &OpticalScene) -> Result<Option<Part>, Failure> {
         if self.part.range.is_none() {
             return Ok(None);
         }
@@ -277,8 +278,8 @@ impl Optics {
         TableWriter::check_part(out)?;
         let own = &optics.settings;
         let settings = [
-            // with the contents of files that the model refers to
-            ("model", debug_hash(system)),
+            ("model", identity.to_owned()),
+            // with the rays of files that the model names
             ("sources", debug_hash(&optics.sources)),
             ("seed", own.seed.to_string()),
             ("branches", format!("{:?}", own.branches).to_lowercase()),

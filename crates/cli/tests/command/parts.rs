@@ -126,6 +126,33 @@ fn tables_of_light() {
     assert!(bench.fails(2, &["optics", "plate.toml", "--range", "0:2048"]).contains("--out"));
 }
 
+/// The model of a part is that of the document: comments do not matter, numbers and files of rays do. In debug builds, the hash of
+/// compiled geometry, which depends on the processor, is refused.
+#[test]
+fn models_of_parts_are_documents() {
+    let bench = Bench::new();
+    let text = optics::PLATE.replace("beam = { circle = 20, rays = 5000 }", "rays = { file = 'rays.csv' }");
+    let is_done = |text: &str, x: f64| {
+        bench.write("plate.toml", text);
+        bench.write("rays.csv", format!("{RAYS}{x},0,-10,0,0,1\n"));
+        let done = bench.run(&["optics", "plate.toml", "--out", "light.csv", "--range", "0:1", "--resume"]);
+        assert_eq!(done.code, 0, "{}", done.err);
+        done.err.contains("complete already")
+    };
+    assert!(!is_done(&text, 0.0));
+    assert!(is_done(&format!("# a comment\n{text}"), 0.0));
+    assert!(!is_done(&text, 1.0));
+    assert!(!is_done(&text.replace("[60, 60, 2]", "[60, 60, 3]"), 1.0));
+    assert!(!is_done(&text.replace("thin_lens = 40", "thin_lens = 50"), 1.0));
+    let bench = photons::bench_of_two_diodes();
+    let opaque = r#"name="Diode"><materialref ref="Opaque"/>"#;
+    bench.write("bar.gdml", bench.read("bar.gdml").replace(opaque, &opaque.replace("Opaque", "Crystal")));
+    let copy = ["photons", "bar.gdml", "--source", "volume", "--volume", "Diode[7]", "--wavelength", "550"];
+    let part = [&copy[..], &["-n", "200", "--range", "0:100", "-o", "hits.csv", "--resume"]].concat();
+    assert_eq!(bench.run(&part).code, 0);
+    assert!(bench.run(&part).err.contains("complete already"));
+}
+
 #[test]
 fn rows_of_pixels() {
     let bench = Bench::new();

@@ -19,6 +19,17 @@ pub fn bench() -> Bench {
     bench
 }
 
+/// The guide's model with a second diode at the other end, whose boundary has no surface.
+pub fn bench_of_two_diodes() -> Bench {
+    let bench = Bench::new();
+    let diode = r#"<physvol name="diode">"#;
+    let second = r#"<physvol name="second" copynumber="7"><volumeref ref="Diode"/><position name="q" z="-50.5" unit="mm"/></physvol>"#;
+    let text = block("xml");
+    assert!(text.contains(diode));
+    bench.write("bar.gdml", text.replace(diode, &format!("{second}{diode}")));
+    bench
+}
+
 /// The arguments of a run of 2,000 photons in the guide's model.
 pub fn run<'a>(more: &[&'a str]) -> Vec<&'a str> {
     let mut arguments = vec!["photons", "bar.gdml", "--at", "0,0,0", "--wavelength", "550", "-n", "2000"];
@@ -57,12 +68,7 @@ fn the_guide() {
 /// A second diode at the other end, whose boundary has no surface: it is listed with 0 hits.
 #[test]
 fn hits_are_counted_by_sensor() {
-    let bench = bench();
-    let diode = r#"<physvol name="diode">"#;
-    let second = r#"<physvol name="second" copynumber="7"><volumeref ref="Diode"/><position name="q" z="-50.5" unit="mm"/></physvol>"#;
-    let text = block("xml");
-    assert!(text.contains(diode));
-    bench.write("bar.gdml", text.replace(diode, &format!("{second}{diode}")));
+    let bench = bench_of_two_diodes();
     let found = bench.json(&run(&["--json"]));
     let sensors = found["sensors"].as_object().unwrap();
     assert_eq!(sensors.len(), 2, "{found}");
@@ -91,7 +97,7 @@ fn hits_are_counted_by_sensor() {
         assert!((percent - 100.0 * fraction).abs() <= 0.05 * bound, "{row}");
     }
     // the statistical error of a single sensor, too
-    bench.write("bar.gdml", text);
+    bench.write("bar.gdml", block("xml"));
     let single = bench.says(&run(&[]));
     let row: Vec<&str> =
         single.lines().find(|line| line.starts_with("Diode")).unwrap().split_whitespace().collect();

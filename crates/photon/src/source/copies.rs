@@ -7,16 +7,25 @@ use rayweave_model::{
 };
 use rayweave_scene::bare_name;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::fmt;
 use std::sync::Arc;
 
 /// Some of the copies of a volume.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(super) struct SelectedCopies {
     program: Arc<Program>,
     /// Their shapes.
     shapes: BTreeSet<(u32, u32)>,
     /// Boxes with the placements whose groups are evaluated there; 0 for shapes of the model itself.
     boxes: Vec<(Bounds, PlacementId)>,
+}
+
+/// Without the program, which contains the SIMD level of the processor: parts of runs are identified by this text.
+impl fmt::Debug for SelectedCopies {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let SelectedCopies { program: _, shapes, boxes } = self;
+        f.debug_struct("SelectedCopies").field("shapes", shapes).field("boxes", boxes).finish_non_exhaustive()
+    }
 }
 
 /// The result of a search for the copies with a path.
