@@ -2,7 +2,7 @@
 
 use rayweave_error::Message;
 use rayweave_mesh::MeshError;
-use rayweave_table::RefusedFile;
+use rayweave_table::{RefusedFile, TableError};
 use std::fmt;
 
 /// A place in a file.
@@ -39,6 +39,9 @@ pub enum FileError {
     /// The operating system reports an error.
     #[error("{0}")]
     Io(#[from] std::io::Error),
+    /// The file cannot be created, or not be renamed when it is complete.
+    #[error("{0}")]
+    NotWritten(#[from] TableError),
     /// The file may not be read, or is not a regular file.
     #[error("{0}")]
     Refused(RefusedFile),

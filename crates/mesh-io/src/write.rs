@@ -3,9 +3,9 @@
 use crate::read::unknown_format;
 use crate::{FileError, Location, MeshFormat, MeshWriteOptions, gltf, obj, off, ply, stl, threemf};
 use rayweave_mesh::Mesh;
+use rayweave_table::AtomicFile;
 use std::borrow::Cow;
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::Path;
 
 /// Writes a mesh.
@@ -62,11 +62,11 @@ fn joined<'a>(objects: &[(&str, &'a Mesh)]) -> Result<Cow<'a, Mesh>, FileError> 
     Ok(Cow::Owned(Mesh::new(vertices, triangles).map_err(error)?))
 }
 
-/// Writes a mesh to a file atomically: to a temporary file beside it, renamed when complete. Without a format, the file name
-/// extension determines it.
+/// Writes a mesh to a file, which appears when it is complete: see [`AtomicFile`]. Without a format, the file name extension
+/// determines it.
 ///
 /// # Errors
-/// [`FileError::UnknownFormat`], or [`FileError::Io`] if the file cannot be written.
+/// [`FileError::UnknownFormat`], [`FileError::NotWritten`] if the file cannot be created or renamed, or as [`write`].
 pub fn save(
     mesh: &Mesh,
     path: &Path,
@@ -74,16 +74,7 @@ pub fn save(
     options: MeshWriteOptions,
 ) -> Result<(), FileError> {
     let format = format.or_else(|| MeshFormat::from_path(path)).ok_or_else(|| unknown_format(path))?;
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.part", std::process::id()));
-    let temporary = path.with_file_name(name);
-    let written = File::create(&temporary)
-        .map_err(FileError::from)
-        .and_then(|file| write(mesh, format, options, BufWriter::new(file)))
-        .and_then(|()| Ok(std::fs::rename(&temporary, path)?));
-    if written.is_err() {
-        // the first error is the one to report
-        let _ = std::fs::remove_file(&temporary);
-    }
-    written
+    let mut file = AtomicFile::create(path)?;
+    write(mesh, format, options, &mut file)?;
+    Ok(file.finish()?)
 }

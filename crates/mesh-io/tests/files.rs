@@ -63,6 +63,24 @@ fn formats_follow_the_extension_and_files_are_renamed_when_complete() {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
+/// Threads that write the same file do not share a temporary file, and the target of a link is replaced, not the link.
+#[cfg(unix)]
+#[test]
+fn threads_and_links() {
+    let folder = std::env::temp_dir().join(format!("rayweave-mesh-links-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let (target, link) = (folder.join("part.off"), folder.join("link.off"));
+    std::fs::write(&target, "old").unwrap();
+    std::os::unix::fs::symlink("part.off", &link).unwrap();
+    let mesh = cuboid(Vec3::ZERO, Vec3::ONE);
+    let save_often = || (0..50).for_each(|_| save(&mesh, &link, None, MeshWriteOptions::default()).unwrap());
+    std::thread::scope(|scope| (0..4).for_each(|_| drop(scope.spawn(save_often))));
+    assert!(link.is_symlink());
+    assert_eq!(corners(&read(&target, None, &ReadOptions::default()).unwrap().mesh), corners(&mesh));
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 2);
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
 #[test]
 fn faces_with_many_corners_are_triangulated() {
     let text = "# a block with an L as its base\nv 0 0 0\nv 2 0 0\nv 2 1 0 0.5\nv 1 1 0\nv 1 2 0\nv 0 2 0\n\

@@ -8,8 +8,9 @@ use crate::resolve::{reason, resolve, resolve_definitions};
 use crate::scene::Scene;
 use crate::source::{Source, Span};
 use rayweave_error::with_limited_suggestions;
-use std::fs::{File, OpenOptions};
-use std::io::{self, Read, Write};
+use rayweave_table::{AtomicFile, TableError};
+use std::fs::File;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -206,42 +207,20 @@ impl Document {
         native::write(self)
     }
 
-    /// Saves the document atomically: writes a new file in the same folder and renames it when it
-    /// is complete.
+    /// Saves the document in a file, which appears when it is complete: see [`AtomicFile`].
     ///
     /// # Errors
     ///
-    /// Errors of the operating system; an existing file is left unchanged.
-    pub fn save(&self, path: impl AsRef<Path>) -> io::Result<()> {
+    /// [`TableError::Io`]; an existing file is left unchanged.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), TableError> {
         let path = path.as_ref();
-        let (draft, file) = create_beside(path)?;
-        let written = write_all(file, &self.to_toml()).and_then(|()| std::fs::rename(&draft, path));
-        if written.is_err() {
-            // the original error is reported, not one of the removal
-            let _ = std::fs::remove_file(&draft);
-        }
-        written
+        let mut file = AtomicFile::create(path)?;
+        let written = file.write_all(self.to_toml().as_bytes());
+        written.map_err(|error| TableError::Io {
+            action: "write",
+            path: path.display().to_string(),
+            error,
+        })?;
+        file.finish()
     }
-}
-
-/// Creates a new file in the same folder, so that renaming never has to copy.
-fn create_beside(path: &Path) -> io::Result<(PathBuf, File)> {
-    let name = path
-        .file_name()
-        .ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the path has no file name"))?;
-    for attempt in 0..100 {
-        let mut draft = name.to_owned();
-        draft.push(format!(".{}-{attempt}.part", std::process::id()));
-        let draft = path.with_file_name(draft);
-        match OpenOptions::new().write(true).create_new(true).open(&draft) {
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            other => return other.map(|file| (draft, file)),
-        }
-    }
-    Err(io::Error::new(io::ErrorKind::AlreadyExists, "all names for the unfinished file are taken"))
-}
-
-fn write_all(mut file: File, text: &str) -> io::Result<()> {
-    file.write_all(text.as_bytes())?;
-    file.sync_all()
 }

@@ -302,12 +302,22 @@ fn saving_is_all_or_nothing() {
     document.save(&path).unwrap();
     document.save(&path).unwrap();
     assert_eq!(load(&path, &[]).unwrap(), (document.clone(), scene));
-    assert!(document.save(folder.join("none/model.toml")).is_err());
+    let missing = document.save(folder.join("none/model.toml")).unwrap_err().to_string();
+    assert!(missing.contains("does not exist. Create it first"), "{missing}");
     // a folder cannot be replaced by a file
     std::fs::create_dir_all(folder.join("full/inside")).unwrap();
     assert!(document.save(folder.join("full")).is_err());
     let left: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(left.len(), 2, "{left:?}");
+    #[cfg(unix)]
+    {
+        let link = folder.join("link.toml");
+        std::os::unix::fs::symlink("model.toml", &link).unwrap();
+        std::fs::write(&path, "old").unwrap();
+        document.save(&link).unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), document.to_toml());
+    }
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
