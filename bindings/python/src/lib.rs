@@ -17,6 +17,7 @@ mod drawing;
 mod engine;
 mod error;
 mod explain;
+mod files;
 mod hit_array;
 mod hits;
 mod infill;
@@ -73,6 +74,8 @@ mod _core {
     use crate::error::RayweaveError;
     #[pymodule_export]
     use crate::explain::PyExplanation;
+    #[pymodule_export]
+    use crate::files::PyAtomicFile;
     #[pymodule_export]
     use crate::hit_array::{array_csg, count_array};
     #[pymodule_export]

@@ -21,6 +21,7 @@ from rayweave.space import PointCrossings, Trajectory
 __all__ = [
     "Arc",
     "Arrivals",
+    "AtomicFile",
     "CompiledDetector",
     "CompiledPrescription",
     "CompiledSystem",
@@ -218,6 +219,21 @@ class Explanation:
 
     def story(self, lines: int | None = ...) -> str:
         """The text with at most `lines` lines of decisions, None for all of them; omitted lines are counted."""
+
+@final
+class AtomicFile:
+    """A file that is renamed to its path at `finish`: see `rayweave._files.AtomicFile`."""
+
+    def __new__(cls, path: str | PathLike[str]) -> AtomicFile: ...
+
+    def write(self, data: bytes) -> None:
+        """Appends bytes."""
+
+    def finish(self) -> None:
+        """Completes the file."""
+
+    def discard(self) -> None:
+        """Removes what has been written, unless the file is complete."""
 
 def array_csg(
     array1: ArrayLike,

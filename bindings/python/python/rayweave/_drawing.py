@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rayweave import _core
+from rayweave._files import write_file
 
 
 def show(picture: Any, data: bytes, ending: str) -> None:
@@ -49,7 +50,7 @@ class Drawing:
             raise _core.RayweaveError(
                 f"cannot write {path}: Python writes drawings as .svg, not as '{ending}'. {advice}"
             )
-        Path(path).write_text(self.svg, encoding="utf-8")
+        write_file(path, self.svg)
 
     def show(self) -> None:
         """Shows the drawing: in a notebook below the cell, otherwise in the browser."""

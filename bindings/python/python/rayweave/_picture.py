@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import struct
 import zlib
 from collections.abc import Callable, Mapping
@@ -16,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._drawing import Drawing, show
+from rayweave._files import write_file
 from rayweave._model import Subject
 from rayweave._package import package
 from rayweave._whole import whole
@@ -67,10 +69,16 @@ class Picture(np.ndarray[Any, np.dtype[np.uint8]]):
         """Writes the picture to a file: .png, or by Pillow any format that it has, such as .jpg."""
         target = Path(path)
         if target.suffix.lower() == ".png":
-            target.write_bytes(self._repr_png_())
+            write_file(target, self._repr_png_())
             return
-        image = package("PIL.Image", "pictures in formats other than PNG").fromarray(np.asarray(self))
-        image.convert("RGB" if target.suffix.lower() in (".jpg", ".jpeg") else "RGBA").save(target)
+        pillow = package("PIL.Image", "pictures in formats other than PNG")
+        kind = pillow.registered_extensions().get(target.suffix.lower())
+        if kind is None:
+            raise _core.RayweaveError(f"cannot write {path}: Pillow has no format for '{target.suffix}'. Save it as .png or .jpg.")
+        image = pillow.fromarray(np.asarray(self)).convert("RGB" if kind == "JPEG" else "RGBA")
+        data = io.BytesIO()
+        image.save(data, format=kind)
+        write_file(target, data.getvalue())
 
     def show(self) -> None:
         """Shows the picture: in a notebook below the cell, otherwise in the browser."""

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from rayweave import _core
 from rayweave._box import Box, corners
 from rayweave._core import Section
+from rayweave._files import write_file
 from rayweave._model import Subject
 from rayweave._table import Rows
 from rayweave._whole import whole
@@ -134,7 +135,7 @@ def save_section(
     if ending not in ("svg", "dxf"):
         raise _core.RayweaveError(f"{path}: unknown format: sections are written as .svg or .dxf.")
     every = [sections] if isinstance(sections, Section) else list(sections)
-    Path(path).write_text(_core.section_text(every, ending, title), encoding="utf-8")
+    write_file(path, _core.section_text(every, ending, title))
 
 
 def _vector(values: ArrayLike, name: str) -> list[float]:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
-from os import PathLike
+from os import PathLike, fspath
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rayweave._files import write_file
 from rayweave.optics._given import package
 
 if TYPE_CHECKING:
@@ -52,7 +55,15 @@ class Plot:
 
     def save(self, path: str | PathLike[str], **options: Any) -> None:
         """Writes the figure to a file by `Figure.savefig`, with its options: .png, .svg, .pdf and other formats."""
-        self.figure.savefig(path, **{"bbox_inches": "tight", **options})
+        target = fspath(path)
+        kind = options.get("format") or Path(target).suffix[1:]
+        if not kind:
+            # as savefig does
+            kind = self.figure.canvas.get_default_filetype()
+            target = f"{target.rstrip('.')}.{kind}"
+        data = io.BytesIO()
+        self.figure.savefig(data, **{"bbox_inches": "tight", **options, "format": kind})
+        write_file(target, data.getvalue())
 
     def __len__(self) -> int:
         return len(self.axes)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave._core import Glass, Sheet, Solid
 from rayweave._drawing import Drawing
+from rayweave._files import write_file
 from rayweave._table import table_of
 from rayweave._words import no_attribute, suggesting
 from rayweave.optics._diffraction import TransferFunction, cells_for, pupil_cells, slopes_of_pupil, steepest_step
@@ -534,7 +535,7 @@ class Prescription:
 
     def write_zmx(self, path: str | Path) -> None:
         """Writes a Zemax file."""
-        Path(path).write_text(self.to_zmx(), encoding="utf-8")
+        write_file(path, self.to_zmx())
 
     def __repr__(self) -> str:
         name = f" {self.name!r}" if self.name else ""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rayweave import _core
+from rayweave._files import AtomicFile
 from rayweave.optics._given import package, whole
 
 if TYPE_CHECKING:
@@ -149,27 +149,23 @@ def _write_parquet(system: System, stream: Stream, path: Path) -> Balance:
     parquet = package("pyarrow.parquet", "Parquet files")
     if not path.absolute().parent.is_dir():
         raise _core.RayweaveError(f"cannot create {path}: the folder {path.parent} does not exist. Create it first.")
-    # written beside the target and renamed when complete
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
     writer = None
-    try:
-        with stream:
-            for batch in stream.to_arrow():
-                with_units = batch.replace_schema_metadata(_units(system.unit, batch.schema.names))
-                if writer is None:
-                    writer = parquet.ParquetWriter(unfinished, with_units.schema, compression="snappy")
-                writer.write_batch(with_units)
-            balance = stream.balance
-        if writer is None:
-            raise _core.RayweaveError("there are no segments to write: the sources emit no light.")
-        writer.close()
-        writer = None
-        os.replace(unfinished, path)
+    with AtomicFile(path) as file:
+        try:
+            with stream:
+                for batch in stream.to_arrow():
+                    with_units = batch.replace_schema_metadata(_units(system.unit, batch.schema.names))
+                    if writer is None:
+                        writer = parquet.ParquetWriter(file, with_units.schema, compression="snappy")
+                    writer.write_batch(with_units)
+                balance = stream.balance
+            if writer is None:
+                raise _core.RayweaveError("there are no segments to write: the sources emit no light.")
+        finally:
+            if writer is not None:
+                writer.close()
+        file.finish()
         return balance
-    finally:
-        if writer is not None:
-            writer.close()
-        unfinished.unlink(missing_ok=True)
 
 
 def _units(unit: str, columns: list[str]) -> dict[str, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave._drawing import Drawing
+from rayweave._files import AtomicFile
 from rayweave._table import Table, dataset, table_of
 from rayweave._whole import whole
 from rayweave._words import did_you_mean
@@ -93,14 +93,10 @@ def _save(columns: _Named, compiled: _core.PhotonHits | _core.PhotonHistories, p
     parquet = package("pyarrow.parquet", "Parquet files")
     if not target.absolute().parent.is_dir():
         raise _core.RayweaveError(f"cannot create {target}: the folder {target.parent} does not exist. Create it first.")
-    # written beside the target and renamed when complete
-    unfinished = target.with_name(f".{target.name}.{os.getpid()}.part")
     units = {f"unit.{name}": unit for name, unit in columns.units.items() if unit}
-    try:
-        parquet.write_table(columns.to_arrow().replace_schema_metadata(units), unfinished)
-        os.replace(unfinished, target)
-    finally:
-        unfinished.unlink(missing_ok=True)
+    with AtomicFile(target) as file:
+        parquet.write_table(columns.to_arrow().replace_schema_metadata(units), file)
+        file.finish()
 
 
 class Hits(_Named):
