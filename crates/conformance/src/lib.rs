@@ -23,12 +23,13 @@
 //!
 //! Every test has a long form, `cargo test -- --ignored long_`. Not part of the suite: [`exact`], the oracle
 //! without rounding, [`differential`], a differential test of several evaluators, and [`scale`], models of any
-//! size.
+//! size. Any test can report by [`skipped`] that its requirements are missing.
 
 use rayweave_model::{Crossing, Face};
 
 mod evaluator_under_test;
 mod random;
+mod skipped;
 mod tally;
 
 pub mod agree;
@@ -52,6 +53,7 @@ pub mod touching;
 pub use evaluator_under_test::{EvaluatorUnderTest, Maker, maker};
 pub use models::{Model, Style};
 pub use random::Random;
+pub use skipped::skipped;
 pub use tally::Tally;
 
 /// The size of a test.

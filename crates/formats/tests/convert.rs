@@ -3,8 +3,7 @@
 //! By default, small models are converted to a few formats, within seconds; the ignored test converts all models of the
 //! repository and of the shared folder to all formats.
 
-mod skip;
-
+use rayweave_conformance::skipped;
 use rayweave_formats::{Format, LossKind, Options, WriteOptions, load, parse, write};
 use rayweave_math::Vec3;
 use rayweave_mesh_io::MeshFormat;
@@ -120,7 +119,7 @@ fn models() -> Vec<(PathBuf, u64)> {
 fn shared() -> Vec<(PathBuf, u64)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     if !folder.is_dir() {
-        skip::tell(&format!("examples of other programs are not at {}", folder.display()));
+        skipped(format!("examples of other programs are not at {}", folder.display()));
     }
     [files(&folder.join("openscad")), files(&folder.join("gdml"))].concat()
 }

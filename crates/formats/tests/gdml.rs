@@ -4,8 +4,6 @@
 mod files;
 #[path = "gdml/malformed.rs"]
 mod malformed;
-#[path = "skip/mod.rs"]
-mod skip;
 #[path = "gdml/solids.rs"]
 mod solids;
 #[path = "gdml/structure.rs"]

@@ -121,7 +121,7 @@ mod tests {
         let gpu = Gpu::new();
         let adapter = match gpu.adapter(0) {
             Ok(adapter) => adapter,
-            Err(problem) => return println!("skipped: {problem}"),
+            Err(problem) => return rayweave_conformance::skipped(problem),
         };
         let ball = build("sphere", &[("radius", 1.0.into())]).unwrap();
         let program = Arc::new(Program::compile(&ball.into()).unwrap());

@@ -89,12 +89,12 @@ mod tests {
     fn the_trial_finds_sums_that_a_compiler_reassociates() {
         let gpu = Gpu::new();
         let Ok(adapter) = gpu.adapter(0) else {
-            println!("skipped: no adapter");
+            rayweave_conformance::skipped("there is no adapter");
             return;
         };
         let device = adapter.open().unwrap();
         if !device.has_f64 {
-            println!("skipped: {} has no double precision", adapter.name());
+            rayweave_conformance::skipped(format!("{} has no double precision", adapter.name()));
             return;
         }
         let arithmetic = shader::ARITHMETIC;

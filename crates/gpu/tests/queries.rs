@@ -17,7 +17,7 @@ fn device(program: &Arc<Program>) -> Option<Arc<GpuDevice>> {
     match Gpu::new().adapter(0) {
         Ok(adapter) => Some(Arc::new(GpuDevice::new(GpuProgram::new(adapter, program.clone()).unwrap()))),
         Err(problem) => {
-            println!("skipped: {problem}");
+            rayweave_conformance::skipped(problem);
             None
         }
     }

@@ -11,6 +11,10 @@ static UNFINISHED: Rule = Rule { name: "unfinished", why: "the repository contai
 static MUL_ADD: Rule = Rule { name: "mul-add", why: "its rounding differs between processors" };
 static TRANSCENDENTAL: Rule =
     Rule { name: "transcendental", why: "the standard library's bits differ between platforms" };
+static CAPTURED: Rule = Rule {
+    name: "captured",
+    why: "the test harness captures the line, and a skipped test looks like one that passed",
+};
 static UNSAFE: Rule = Rule { name: "unsafe", why: "nothing here needs it" };
 
 /// The maximum number of lines of a file, and the number above which there is a warning.
@@ -38,6 +42,7 @@ pub fn check(source: &Source) -> Vec<Violation> {
     violations.extend(mul_add(source, &masked));
     violations.extend(transcendental(source, &masked));
     violations.extend(unsafe_code(source, &masked));
+    violations.extend(captured(source));
     violations
 }
 
@@ -72,6 +77,22 @@ fn unfinished(source: &Source, masked: &Masked) -> Vec<Violation> {
     });
     found
         .map(|(line, name)| Violation::new(&UNFINISHED, source, line, format!("{name}!"), "write the code"))
+        .collect()
+}
+
+/// Reports of skipped tests that `cargo xtask test` does not see.
+fn captured(source: &Source) -> Vec<Violation> {
+    let is_report = |line: &str| {
+        let text = line.split_once("println!(\"").map_or("", |(_, text)| text.trim_start_matches("\\n"));
+        text.to_ascii_lowercase().starts_with("skipped:")
+    };
+    let lines = source.text.lines().enumerate().filter(|(_, line)| is_report(line));
+    let found = lines.filter(|_| source.path.starts_with("crates/"));
+    let advice = "call rayweave_conformance::skipped";
+    found
+        .map(|(at, _)| {
+            Violation::new(&CAPTURED, source, at + 1, "println! of a skipped test".to_owned(), advice)
+        })
         .collect()
 }
 
@@ -182,6 +203,14 @@ mod tests {
         let source =
             Source { path: LIBRARY.to_owned(), text: "//! A.\nfn f(x: f64) { x.powf(2.0); }\n".to_owned() };
         assert!(check(&source)[0].to_string().ends_with("Use libm::pow."));
+    }
+
+    #[test]
+    fn captured_reports_of_skipped_tests_are_found() {
+        let text = "//! A.\nfn f() { println!(\"skipped: no adapter\"); }\nfn g() { println!(\"\\nSKIPPED: {}\", 1); }\n\
+                    fn h() { println!(\"2 skipped\"); }\n";
+        assert_eq!(found("crates/a/tests/b.rs", text), [("captured", 2), ("captured", 3)]);
+        assert_eq!(found("xtask/src/b.rs", text), []);
     }
 
     #[test]

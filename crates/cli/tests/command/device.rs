@@ -52,7 +52,7 @@ mod with_the_feature {
     fn has_adapter(bench: &Bench) -> bool {
         let done = bench.run(&["devices"]);
         if done.code != 0 {
-            println!("skipped: {}", done.err);
+            rayweave_conformance::skipped(&done.err);
         }
         done.code == 0
     }

@@ -1,6 +1,6 @@
 //! GDML files from other programs, and files that include files.
 
-use super::skip;
+use rayweave_conformance::skipped;
 use rayweave_formats::{Imported, LossKind, Options, load};
 use rayweave_model::Program;
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ const FILES: [(&str, usize); 20] = [
 fn folder() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/gdml");
     if !folder.is_dir() {
-        skip::tell(&format!("GDML files from other programs are not at {}", folder.display()));
+        skipped(format!("GDML files from other programs are not at {}", folder.display()));
         return None;
     }
     Some(folder)

@@ -2,7 +2,7 @@
 
 use crate::folder::Folder;
 use crate::measure::volume;
-use crate::skip;
+use rayweave_conformance::skipped;
 use rayweave_formats::{LossKind, Options, load};
 use std::path::{Path, PathBuf};
 
@@ -53,7 +53,7 @@ fn folder() -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    skip::tell(&format!("OpenSCAD's examples are not at {}", folder.display()));
+    skipped(format!("OpenSCAD's examples are not at {}", folder.display()));
     None
 }
 
@@ -66,7 +66,7 @@ fn volumes_are_those_of_openscad() {
         let dump = std::fs::read_to_string(folder.join(format!("{name}.csg"))).expect("a dump");
         let missing = FONTS.iter().find(|font| !Path::new(font).is_file());
         if let (true, Some(missing)) = (dump.contains("text("), missing) {
-            skip::tell(&format!("{name} needs {missing} (Debian: fonts-dejavu-core)"));
+            skipped(format!("{name} needs {missing} (Debian: fonts-dejavu-core)"));
             continue;
         }
         let dump =

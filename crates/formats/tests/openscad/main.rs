@@ -9,7 +9,5 @@ mod malformed;
 mod measure;
 mod meshes;
 mod shells;
-#[path = "../skip/mod.rs"]
-mod skip;
 mod solids;
 mod texts;

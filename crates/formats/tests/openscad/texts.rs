@@ -1,7 +1,7 @@
 //! Glyph positions of texts.
 
 use super::folder::Folder;
-use super::skip;
+use rayweave_conformance::skipped;
 use std::path::Path;
 
 const FONTS: [&str; 2] = ["DejaVuSans.ttf", "DejaVuSerif.ttf"];
@@ -46,7 +46,7 @@ const GRID: f64 = 2.0 * 10.0 / 2170.0;
 fn letters_stand_where_openscad_puts_them() {
     let folder = Path::new("/usr/share/fonts/truetype/dejavu");
     if let Some(missing) = FONTS.iter().find(|font| !folder.join(font).is_file()) {
-        skip::tell(&format!(
+        skipped(format!(
             "{missing} is not among the fonts of the system. On Debian, install fonts-dejavu-core."
         ));
         return;

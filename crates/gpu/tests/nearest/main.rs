@@ -19,7 +19,7 @@ fn adapter() -> Option<rayweave_gpu::Adapter> {
     match Gpu::new().adapter(0) {
         Ok(adapter) => Some(adapter.clone()),
         Err(problem) => {
-            println!("skipped: {problem}");
+            rayweave_conformance::skipped(problem);
             None
         }
     }

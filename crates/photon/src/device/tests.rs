@@ -328,8 +328,8 @@ fn with_adapter(test: impl FnOnce(&Adapter)) {
     let gpu = Gpu::new();
     match gpu.adapter(0) {
         Ok(adapter) if adapter.has_f64() => test(adapter),
-        Ok(adapter) => println!("skipped: {} has no double precision", adapter.name()),
-        Err(problem) => println!("skipped: {problem}"),
+        Ok(adapter) => rayweave_conformance::skipped(format!("{} has no double precision", adapter.name())),
+        Err(problem) => rayweave_conformance::skipped(problem),
     }
 }
 

@@ -124,7 +124,7 @@ fn model_files() {
     let mut answers = Answers::default();
     let shared = files::shared();
     if shared.is_none() {
-        println!("\nSKIPPED: answers of ../shared/data, which is missing");
+        rayweave_conformance::skipped("answers of ../shared/data, which is missing");
     }
     files::record(&mut answers, shared.as_deref());
     examine_present("file", &answers, |name| shared.is_some() || !name.starts_with("file/shared/"));
