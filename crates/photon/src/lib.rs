@@ -61,7 +61,8 @@ pub use device::{PhotonDevice, PhotonDeviceReport};
 pub use error::{PhotonError, PropertyError};
 pub use flight::End;
 pub use genstep::{
-    EmissionProcess, Genstep, Gensteps, cerenkov_yield, from_geant4, from_opticks, photons_from_opticks,
+    EmissionProcess, Genstep, GenstepNumbers, Gensteps, cerenkov_yield, gensteps_from_array,
+    photons_from_opticks,
 };
 pub use history::{Histories, HistoryOptions, Process, Sequence, StepRow, sequence_text};
 pub use hits::{Hits, hit_schema, hit_table};

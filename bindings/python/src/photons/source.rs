@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use rayweave::Vec3;
 use rayweave::photon::property::HC_MEV_NM;
 use rayweave::photon::{
-    Genstep, Gensteps, Origin, Photon, Source, SourceVolume, Torch, from_geant4, from_opticks,
+    Genstep, GenstepNumbers, Gensteps, Origin, Photon, Source, SourceVolume, Torch, gensteps_from_array,
     photons_from_opticks,
 };
 
@@ -192,27 +192,18 @@ impl PyPhotonSource {
 /// Gensteps in the layout of Opticks, (N, 6, 4), or of Geant4, (N, 16).
 fn read_gensteps(array: &Bound<'_, PyAny>) -> PyResult<Vec<Genstep>> {
     let array = real_array(array, "gensteps")?;
-    let shape = match &array {
-        RealArray::Single(array) => array.shape().to_vec(),
-        RealArray::Double(array) => array.shape().to_vec(),
-    };
-    let steps = match (array, &shape[..]) {
-        (array, [_, 16]) => {
-            let array = contiguous(array.into_double()?)?;
-            from_geant4(array.try_readonly().map_err(bad_value)?.as_slice().map_err(bad_value)?)
-        }
-        (RealArray::Single(array), [_, 6, 4]) => {
+    let steps = match array {
+        RealArray::Single(array) => {
             let array = contiguous(array)?;
-            from_opticks(array.try_readonly().map_err(bad_value)?.as_slice().map_err(bad_value)?)
+            let numbers = array.try_readonly().map_err(bad_value)?;
+            let numbers = GenstepNumbers::Single(numbers.as_slice().map_err(bad_value)?);
+            gensteps_from_array(array.shape(), numbers)
         }
-        (RealArray::Double(_), [_, 6, 4]) => {
-            let problem = "gensteps of shape (N, 6, 4) are not float32: they hold integers in the bits of float32. Give the array \
-                           as it was written.";
-            return Err(bad_value(problem));
-        }
-        _ => {
-            let shape = shape_text(&shape);
-            return Err(bad_value(format!("gensteps has shape {shape}: it must be (N, 6, 4) or (N, 16).")));
+        RealArray::Double(array) => {
+            let array = contiguous(array)?;
+            let numbers = array.try_readonly().map_err(bad_value)?;
+            let numbers = GenstepNumbers::Double(numbers.as_slice().map_err(bad_value)?);
+            gensteps_from_array(array.shape(), numbers)
         }
     };
     steps.map_err(bad_value)

@@ -4,8 +4,9 @@ use crate::arguments::{point, time};
 use crate::failure::Failure;
 use clap::{Args, ValueEnum};
 use rayweave::photon::{
-    Detector, Directions, Gensteps, LinearDensity, Origin, PhotonError, Pulse, ScintillationLight, Source,
-    SourceVolume, Torch, WavelengthDistribution, from_geant4, from_opticks, photons_from_opticks,
+    Detector, Directions, GenstepNumbers, Gensteps, LinearDensity, Origin, Photon, PhotonError, Pulse,
+    ScintillationLight, Source, SourceVolume, Torch, WavelengthDistribution, gensteps_from_array,
+    photons_from_opticks,
 };
 use rayweave::table::NpyArray;
 use rayweave::{Packets, Vec3};
@@ -150,11 +151,7 @@ impl SourceArguments {
                 gensteps.notes().iter().for_each(|text| note(text));
                 Ok(Source::Gensteps(gensteps))
             }
-            (None, Some(path)) => {
-                let (array, _) = read_npy(path, &["(n, 4, 4)"], |shape| matches!(shape, [_, 4, 4]))?;
-                let photons = photons_from_opticks(&array.numbers).map_err(|error| in_file(path, &error))?;
-                Ok(Source::Photons(photons))
-            }
+            (None, Some(path)) => read_photons(path).map(Source::Photons),
             (None, None) => self.torch(detector, evaluator).map(Source::Torch),
         }
     }
@@ -233,43 +230,42 @@ fn in_file(path: &Path, error: &PhotonError) -> Failure {
     bad_file(path, &error.to_string())
 }
 
-/// Reads an array of one of the shapes; true if it is float32.
-fn read_npy(
-    path: &Path,
-    shapes: &[&str],
-    is_shape: impl Fn(&[u64]) -> bool,
-) -> Result<(NpyArray, bool), Failure> {
+/// Reads an array; true if it is float32.
+fn read_npy(path: &Path) -> Result<(NpyArray, bool), Failure> {
     let file =
         File::open(path).map_err(|error| bad_file(path, &format!("cannot read the file: {error}.")))?;
     let read = NpyArray::read_floats(&mut BufReader::new(file), u64::from(u32::MAX) << 4);
-    let (array, is_single) = read.map_err(|error| match error {
+    read.map_err(|error| match error {
         rayweave::table::NpyArrayError::Type(name) => {
             bad_file(path, &format!("its numbers are {name}: they must be float32 or float64."))
         }
         // whole sentences
         rayweave::table::NpyArrayError::Header(text) => bad_file(path, &text),
         error => bad_file(path, &format!("the array cannot be read: {error}.")),
-    })?;
-    if is_shape(&array.shape) {
-        return Ok((array, is_single));
-    }
-    let lengths = array.shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
-    Err(bad_file(path, &format!("its shape is ({lengths}): it must be {}.", shapes.join(" or "))))
+    })
 }
 
 fn read_gensteps(path: &Path) -> Result<Vec<rayweave::photon::Genstep>, Failure> {
-    let is_shape = |shape: &[u64]| matches!(shape, [_, 6, 4] | [_, 16]);
-    let (array, is_single) = read_npy(path, &["(n, 6, 4)", "(n, 16)"], is_shape)?;
-    let read = match (array.shape.len(), is_single) {
-        (2, _) => from_geant4(&array.numbers),
-        (_, true) => from_opticks(&array.numbers.iter().map(|&number| number as f32).collect::<Vec<f32>>()),
-        (_, false) => {
-            let text =
-                "its numbers are float64: gensteps of shape (n, 6, 4) hold integers in the bits of float32.";
-            return Err(bad_file(path, text));
+    let (NpyArray { shape, numbers }, is_single) = read_npy(path)?;
+    // the numbers are in memory, so that their number is no larger than usize
+    let shape: Vec<usize> = shape.into_iter().map(|own| usize::try_from(own).unwrap_or(usize::MAX)).collect();
+    let read = match is_single {
+        true => {
+            let numbers: Vec<f32> = numbers.into_iter().map(|number| number as f32).collect();
+            gensteps_from_array(&shape, GenstepNumbers::Single(&numbers))
         }
+        false => gensteps_from_array(&shape, GenstepNumbers::Double(&numbers)),
     };
     read.map_err(|error| in_file(path, &error))
+}
+
+fn read_photons(path: &Path) -> Result<Vec<Photon>, Failure> {
+    let (array, _) = read_npy(path)?;
+    if !matches!(array.shape[..], [_, 4, 4]) {
+        let lengths = array.shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
+        return Err(bad_file(path, &format!("its shape is ({lengths}): it must be (n, 4, 4).")));
+    }
+    photons_from_opticks(&array.numbers).map_err(|error| in_file(path, &error))
 }
 
 /// The largest spectrum that is read, in bytes.

@@ -266,6 +266,12 @@ fn arrays() {
     let ints = ["photons", "bar.gdml", "--gensteps", "ints.npy"];
     bench.write("ints.npy", npy("<i4", "(1, 6, 4)", singles(&step)));
     assert!(bench.fails(3, &ints).contains("its numbers are <i4: they must be float32 or float64."));
+    let flat = ["photons", "bar.gdml", "--gensteps", "flat.npy"];
+    assert!(
+        bench
+            .fails(3, &flat)
+            .contains("flat.npy: the array of gensteps has shape (16,): it must be (N, 6, 4) or (N, 16).")
+    );
     bench.write("empty.npy", Vec::new());
     let empty = bench.fails(3, &["photons", "bar.gdml", "--gensteps", "empty.npy"]);
     assert!(empty.ends_with("empty.npy: the file is empty: an NPY header is required.\n"), "{empty}");

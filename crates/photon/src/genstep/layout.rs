@@ -14,7 +14,18 @@ const SCINTILLATION: u32 = 16;
 const CERENKOV_MODIFIED: u32 = 18;
 const SCINTILLATION_OF_JUNO: u32 = 5;
 
-/// Reads gensteps in the layout of Opticks: 24 float32 numbers for each, some of which hold the bits of integers.
+/// The numbers of an array of gensteps, row by row.
+#[derive(Clone, Copy, Debug)]
+pub enum GenstepNumbers<'a> {
+    /// Numbers of type float32, which may hold the bits of integers.
+    Single(&'a [f32]),
+    /// Numbers of type float64.
+    Double(&'a [f64]),
+}
+
+/// Reads an array of gensteps, whose shape determines the layout.
+///
+/// The layout of Opticks has the shape (N, 6, 4) and numbers of type float32, some of which hold the bits of integers:
 ///
 /// | row | columns |
 /// | --- | --- |
@@ -27,10 +38,67 @@ const SCINTILLATION_OF_JUNO: u32 = 5;
 ///
 /// The track, the code, the weight, the largest cosine and the largest sin^2 are not used.
 ///
+/// Arrays of shape (N, 16) have the fields of the offload interface of Geant4 11.4 (`G4QuasiOpticalData`,
+/// `G4CerenkovQuasiTrackInfo`, `G4ScintillationQuasiTrackInfo`):
+///
+/// | column | contents |
+/// | --- | --- |
+/// | 0 | kind: 15 Cerenkov, 16 scintillation |
+/// | 1 to 4 | position of the track in mm, its time in ns |
+/// | 5 | index of the material |
+/// | 6 | number of photons |
+/// | 7 | charge |
+/// | 8 | length of the step in mm |
+/// | 9, 10 | velocity before the step in mm/ns, and its change |
+/// | 11 to 13 | displacement in mm |
+/// | 14, 15 | Cerenkov: mean numbers of photons before and after the step; scintillation: time constant and rise time in ns |
+///
+/// The mean velocity of the step gives 1/beta. A component of scintillation is found by its time constant.
+///
 /// # Errors
 ///
-/// [`PhotonError::Setting`] with the number of the genstep: an unknown kind.
-pub fn from_opticks(numbers: &[f32]) -> Result<Vec<Genstep>, PhotonError> {
+/// [`PhotonError::Setting`]: another shape, float64 numbers in the layout of Opticks, another number of numbers than that of the
+/// shape; and with the number of the genstep, an unknown kind or a number out of range.
+pub fn gensteps_from_array(
+    shape: &[usize],
+    numbers: GenstepNumbers<'_>,
+) -> Result<Vec<Genstep>, PhotonError> {
+    let length = match numbers {
+        GenstepNumbers::Single(numbers) => numbers.len(),
+        GenstepNumbers::Double(numbers) => numbers.len(),
+    };
+    if !matches!(shape, [_, 6, 4] | [_, 16]) {
+        let problem = format!("the array of gensteps has shape {}", shape_text(shape));
+        return Err(PhotonError::setting(problem, "it must be (N, 6, 4) or (N, 16)"));
+    }
+    if shape.iter().try_fold(1, |product: usize, own| product.checked_mul(*own)) != Some(length) {
+        let problem = format!("the array of gensteps of shape {} has {length} numbers", shape_text(shape));
+        return Err(PhotonError::setting(problem, "there must be as many as the product of its lengths"));
+    }
+    match (shape.len(), numbers) {
+        (2, GenstepNumbers::Double(numbers)) => from_geant4(numbers),
+        (2, GenstepNumbers::Single(numbers)) => {
+            from_geant4(&numbers.iter().map(|&number| f64::from(number)).collect::<Vec<f64>>())
+        }
+        (_, GenstepNumbers::Single(numbers)) => from_opticks(numbers),
+        (_, GenstepNumbers::Double(_)) => {
+            let problem = "gensteps of shape (N, 6, 4) are not float32";
+            let message = Message::new(problem, "they hold integers in the bits of float32");
+            Err(PhotonError::Setting(message.suggest("Give the array as it was written.")))
+        }
+    }
+}
+
+/// A shape as NumPy prints it.
+fn shape_text(shape: &[usize]) -> String {
+    match shape {
+        [length] => format!("({length},)"),
+        _ => format!("({})", shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")),
+    }
+}
+
+/// Gensteps in the layout of Opticks.
+fn from_opticks(numbers: &[f32]) -> Result<Vec<Genstep>, PhotonError> {
     let read = |(row, values): (usize, &[f32; 24])| {
         let real = |k: usize| f64::from(values[k]);
         let vector = |k: usize| Vec3::new(real(k), real(k + 1), real(k + 2));
@@ -67,27 +135,8 @@ pub fn from_opticks(numbers: &[f32]) -> Result<Vec<Genstep>, PhotonError> {
     numbers.as_chunks::<24>().0.iter().enumerate().map(read).collect()
 }
 
-/// Reads gensteps with the fields of the offload interface of Geant4 11.4 (`G4QuasiOpticalData`,
-/// `G4CerenkovQuasiTrackInfo`, `G4ScintillationQuasiTrackInfo`), 16 numbers for each.
-///
-/// | column | contents |
-/// | --- | --- |
-/// | 0 | kind: 15 Cerenkov, 16 scintillation |
-/// | 1 to 4 | position of the track in mm, its time in ns |
-/// | 5 | index of the material |
-/// | 6 | number of photons |
-/// | 7 | charge |
-/// | 8 | length of the step in mm |
-/// | 9, 10 | velocity before the step in mm/ns, and its change |
-/// | 11 to 13 | displacement in mm |
-/// | 14, 15 | Cerenkov: mean numbers of photons before and after the step; scintillation: time constant and rise time in ns |
-///
-/// The mean velocity of the step gives 1/beta. A component of scintillation is found by its time constant.
-///
-/// # Errors
-///
-/// As [`from_opticks`], and for a number out of range.
-pub fn from_geant4(numbers: &[f64]) -> Result<Vec<Genstep>, PhotonError> {
+/// Gensteps in the layout of Geant4.
+fn from_geant4(numbers: &[f64]) -> Result<Vec<Genstep>, PhotonError> {
     let read = |(row, values): (usize, &[f64; 16])| {
         let vector = |k: usize| Vec3::new(values[k], values[k + 1], values[k + 2]);
         let whole = |k: usize, what: &str| {
@@ -168,8 +217,13 @@ const LOOSE: f64 = 1e-3;
 /// # Errors
 ///
 /// [`PhotonError::Setting`] with the number of the photon: a number that is not finite, a wavelength that is not positive, a
-/// direction or polarisation that deviates by more than 1e-3.
+/// direction or polarisation that deviates by more than 1e-3. An incomplete last photon is an error, too.
 pub fn photons_from_opticks(numbers: &[f64]) -> Result<Vec<Photon>, PhotonError> {
+    let (rows, rest) = numbers.as_chunks::<16>();
+    if !rest.is_empty() {
+        let problem = format!("photon {} is incomplete", rows.len());
+        return Err(PhotonError::setting(problem, format!("it has {} of 16 numbers", rest.len())));
+    }
     let read = |(row, values): (usize, &[f64; 16])| {
         let bad = |reason: &str| PhotonError::setting(format!("photon {row} is invalid"), reason);
         let vector = |k: usize| Vec3::new(values[k], values[k + 1], values[k + 2]);
@@ -198,5 +252,5 @@ pub fn photons_from_opticks(numbers: &[f64]) -> Result<Vec<Photon>, PhotonError>
         }
         Ok(Photon { position, direction, polarisation, energy: HC_MEV_NM / wavelength, time: values[3] })
     };
-    numbers.as_chunks::<16>().0.iter().enumerate().map(read).collect()
+    rows.iter().enumerate().map(read).collect()
 }

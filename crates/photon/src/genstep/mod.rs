@@ -1,7 +1,7 @@
 //! Gensteps: steps of charged particles that emit Cerenkov or scintillation photons.
 //!
 //! A genstep states how many photons a step emits; [`Gensteps`] generates them one by one, each from its own random numbers.
-//! The layouts of arrays are those of [`from_opticks`] and [`from_geant4`].
+//! The layouts of arrays are those of [`gensteps_from_array`].
 //!
 //! *Sources*: Geant4 Physics Reference Manual 11.4, chapters "Cerenkov Effect" and "Scintillation"; the densities are those of
 //! `G4Cerenkov` and `G4Scintillation`, sampled by the inverses of their integrals instead of rejection.
@@ -14,7 +14,7 @@ mod resolve;
 use rayweave_math::Vec3;
 
 pub use cerenkov::cerenkov_yield;
-pub use layout::{from_geant4, from_opticks, photons_from_opticks};
+pub use layout::{GenstepNumbers, gensteps_from_array, photons_from_opticks};
 pub use resolve::Gensteps;
 
 /// A step of a particle, and the number of photons that it emits. Lengths are in mm, times in ns, velocities in mm/ns.

@@ -5,9 +5,9 @@ use crate::{CLEAR, SlabDetector, assert_binomial, assert_distribution, photons_o
 use rayweave_math::Vec3;
 use rayweave_photon::property::{HC_MEV_NM, LIGHT_SPEED};
 use rayweave_photon::{
-    Detector, EmissionProcess, Genstep, Gensteps, Hits, Origin, Photon, PhotonError, Process, Pulse,
-    RunSettings, ScintillationComponent, ScintillationLight, Source, Torch, WavelengthDistribution,
-    cerenkov_yield, from_geant4, from_opticks, hit_schema, photons_from_opticks, sequence_text,
+    Detector, EmissionProcess, Genstep, GenstepNumbers, Gensteps, Hits, Origin, Photon, PhotonError, Process,
+    Pulse, RunSettings, ScintillationComponent, ScintillationLight, Source, Torch, WavelengthDistribution,
+    cerenkov_yield, gensteps_from_array, hit_schema, photons_from_opticks, sequence_text,
 };
 use rayweave_trace::Packets;
 use std::collections::BTreeMap;
@@ -302,6 +302,39 @@ fn gensteps_in_another_material_are_reported() {
     assert!(note.contains(&format!("genstep 1, of `{name}`, is outside the world")), "{note}");
 }
 
+fn from_opticks(numbers: &[f32]) -> Result<Vec<Genstep>, PhotonError> {
+    gensteps_from_array(&[numbers.len() / 24, 6, 4], GenstepNumbers::Single(numbers))
+}
+
+fn from_geant4(numbers: &[f64]) -> Result<Vec<Genstep>, PhotonError> {
+    gensteps_from_array(&[numbers.len() / 16, 16], GenstepNumbers::Double(numbers))
+}
+
+/// The layout follows from the shape. Other shapes, and numbers that do not fill the last row, are errors.
+#[test]
+fn shapes_of_gensteps() {
+    let zeros = [0.0; 96];
+    let problem = |shape: &[usize], count: usize| {
+        gensteps_from_array(shape, GenstepNumbers::Double(&zeros[..count])).unwrap_err().to_string()
+    };
+    for (shape, text) in
+        [(&[5, 16, 1][..], "(5, 16, 1)"), (&[16], "(16,)"), (&[1, 24], "(1, 24)"), (&[], "()")]
+    {
+        let expected = format!("the array of gensteps has shape {text}: it must be (N, 6, 4) or (N, 16).");
+        assert_eq!(problem(shape, 16), expected);
+    }
+    assert_eq!(
+        problem(&[1, 6, 4], 24),
+        "gensteps of shape (N, 6, 4) are not float32: they hold integers in the bits of float32. Give the array as it was written."
+    );
+    for (shape, count) in [(&[2, 16][..], 31), (&[1, 6, 4], 47), (&[usize::MAX, 16], 16)] {
+        assert!(problem(shape, count).contains(&format!("has {count} numbers")), "{}", problem(shape, count));
+    }
+    assert!(gensteps_from_array(&[0, 16], GenstepNumbers::Double(&[])).unwrap().is_empty());
+    let incomplete = photons_from_opticks(&zeros[..17]).unwrap_err().to_string();
+    assert!(incomplete.starts_with("photon ") && incomplete.contains("incomplete"), "{incomplete}");
+}
+
 /// The layouts of Opticks and Geant4 hold the same steps.
 #[test]
 fn layouts_are_equal() {
@@ -345,6 +378,9 @@ fn layouts_are_equal() {
     assert_eq!(steps[1], Genstep { photons: 300, velocity, ..scintillation(None, 6.0, Some(2.0)) });
     let unknown = from_geant4(&row(6.0, [0.0; 2])).unwrap_err().to_string();
     assert!(unknown.contains("genstep 0 is of the kind 6: the kinds are 15"), "{unknown}");
+    let single: Vec<f32> = row(15.0, [3.0, 2.0]).into_iter().map(|number| number as f32).collect();
+    let single = gensteps_from_array(&[1, 16], GenstepNumbers::Single(&single)).unwrap();
+    assert_eq!((single[0].photons, single[0].position), (300, Vec3::new(10.0, 20.0, 30.0)));
     let broken = from_geant4(&row(15.0, [0.0; 2]).into_iter().map(|x| x + 0.5).collect::<Vec<_>>());
     assert!(broken.is_err());
 }

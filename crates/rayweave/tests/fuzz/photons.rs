@@ -2,9 +2,9 @@
 
 use rayweave::Packets;
 use rayweave::photon::{
-    CompareOptions, Detector, Genstep, Gensteps, LinearDensity, Origin, PhotonError, RunSettings, Source,
-    Torch, WavelengthDistribution, compare, from_geant4, from_opticks, photons_from_opticks, read_sample,
-    simulate,
+    CompareOptions, Detector, Genstep, GenstepNumbers, Gensteps, LinearDensity, Origin, PhotonError,
+    RunSettings, Source, Torch, WavelengthDistribution, compare, gensteps_from_array, photons_from_opticks,
+    read_sample, simulate,
 };
 use rayweave::scene::parse;
 use std::collections::BTreeMap;
@@ -55,8 +55,16 @@ pub fn run(data: &[u8]) {
         || -> Vec<f32> { rest.as_chunks::<4>().0.iter().map(|&bits| f32::from_le_bytes(bits)).collect() };
     match first % 6 {
         0 => properties(&text()),
-        1 => gensteps(from_opticks(&singles())),
-        2 => gensteps(from_geant4(&doubles())),
+        1 => {
+            let numbers = singles();
+            let numbers = &numbers[..numbers.len() / 24 * 24];
+            gensteps(gensteps_from_array(&[numbers.len() / 24, 6, 4], GenstepNumbers::Single(numbers)));
+        }
+        2 => {
+            let numbers = doubles();
+            let numbers = &numbers[..numbers.len() / 16 * 16];
+            gensteps(gensteps_from_array(&[numbers.len() / 16, 16], GenstepNumbers::Double(numbers)));
+        }
         3 => photons(&singles()),
         4 => spectrum(&doubles()),
         _ => table(rest, if first % 12 < 6 { "csv" } else { "npy" }),
@@ -111,7 +119,8 @@ fn gensteps(read: Result<Vec<Genstep>, PhotonError>) {
 }
 
 fn photons(numbers: &[f32]) {
-    let numbers: Vec<f64> = numbers.iter().map(|&number| f64::from(number)).collect();
+    let complete = &numbers[..numbers.len() / 16 * 16];
+    let numbers: Vec<f64> = complete.iter().map(|&number| f64::from(number)).collect();
     if let Some(photons) = refuse(photons_from_opticks(&numbers)) {
         traced(&detector(CRYSTAL).expect("a detector"), &Source::Photons(photons));
     }
