@@ -176,6 +176,19 @@ fn declare(argument: &'static str, path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Whether standard output carries one of these files instead of the report of a command; at most one result can go there.
+pub fn is_piped<'a>(files: impl Iterator<Item = &'a PathBuf>, is_json: bool) -> Result<bool, Failure> {
+    let piped = files.filter(|path| path.as_path() == Path::new("-")).count();
+    match piped + usize::from(is_json) {
+        0 | 1 => Ok(piped > 0),
+        _ => {
+            let problem = "several results go to standard output";
+            let reason = "`-` is given more than once, or with --json";
+            Err(Failure::Usage(format!("{problem}: {reason}. Write the others to files.")))
+        }
+    }
+}
+
 /// Rejects an output file that the command line does not name, such as one in a folder of outputs, if it is an input, another output or
 /// a file that a model has read.
 pub fn check_unnamed(path: &Path) -> Result<(), Failure> {

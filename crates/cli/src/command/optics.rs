@@ -20,7 +20,7 @@ use rayweave::scene::{Diagnostic, Diagnostics, Document};
 use rayweave::table::{ContentHash, Part, TableWriter};
 use rayweave::{Message, Packets};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Trace light through a model and report where its power ends
 ///
@@ -171,7 +171,7 @@ impl From<Colours> for RayColour {
 
 impl Optics {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
-        let is_piped = self.is_piped()?;
+        let is_piped = outputs::is_piped(self.outputs(), self.json)?;
         let drawings = [&self.layout, &self.drawing, &self.spot, &self.map];
         drawings.into_iter().flatten().try_for_each(|path| drawing::check(path))?;
         let Bench { identity, optics, unit, image, sequence, fields, lens } = self.bench()?;
@@ -239,19 +239,6 @@ impl Optics {
     /// The files that are written.
     fn outputs(&self) -> impl Iterator<Item = &PathBuf> {
         [&self.out, &self.layout, &self.drawing, &self.spot, &self.map, &self.paths].into_iter().flatten()
-    }
-
-    /// Whether standard output carries a file instead of the summary; at most one file can.
-    fn is_piped(&self) -> Result<bool, Failure> {
-        let piped = self.outputs().filter(|path| path.as_path() == Path::new("-")).count();
-        match piped + usize::from(self.json) {
-            0 | 1 => Ok(piped > 0),
-            _ => {
-                let problem =
-                    "several results go to standard output: `-` is given more than once, or with --json.";
-                Err(Failure::Usage(format!("{problem} Write the others to files.")))
-            }
-        }
     }
 
     /// Applies the settings of the command line to the scene.

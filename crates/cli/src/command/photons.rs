@@ -8,6 +8,7 @@ use crate::device::{self, DeviceArguments};
 use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::outputs;
 use crate::photon_report::PhotonReport;
 use crate::terminal::{self, Unit};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -259,7 +260,8 @@ const COMPARE: &str = "compare";
 
 impl Simulation {
     fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
-        let is_piped = self.is_piped()?;
+        let tables = [&self.out, &self.steps, &self.histories].into_iter().flatten();
+        let is_piped = outputs::is_piped(tables.chain(self.drawings()), self.json)?;
         self.drawings().try_for_each(|path| drawing::check(path))?;
         if self.part.range.is_some() {
             self.tables()
@@ -414,19 +416,6 @@ impl Simulation {
             return Err(Failure::Usage(text));
         }
         Ok(range)
-    }
-
-    /// Whether standard output carries a file instead of the summary; at most one file can.
-    fn is_piped(&self) -> Result<bool, Failure> {
-        let files = [&self.out, &self.steps, &self.histories].into_iter().flatten().chain(self.drawings());
-        let piped = files.filter(|path| path.as_path() == Path::new("-")).count();
-        match piped + usize::from(self.json) {
-            0 | 1 => Ok(piped > 0),
-            _ => {
-                let text = "several things go to standard output: `-` is given more than once, or with --json: write the others to files.";
-                Err(Failure::Usage(text.to_owned()))
-            }
-        }
     }
 
     fn drawings(&self) -> impl Iterator<Item = &PathBuf> {

@@ -129,7 +129,10 @@ fn bad_arguments_are_explained() {
     let fails = |code: i32, more: &[&str]| bench.fails(code, &run(more));
     assert!(fails(2, &["--range", "10:5"]).contains("A at most B"));
     assert!(fails(2, &["--range", "0:3000"]).contains("the run has 2000 photons"));
-    assert!(fails(2, &["--json", "-o", "-"]).contains("several things go to standard output"));
+    assert!(
+        fails(2, &["--json", "-o", "-"])
+            .contains("several results go to standard output: `-` is given more than once")
+    );
     assert!(fails(2, &["--towards", "0,0,0"]).contains("it must be finite and not zero"));
     assert!(fails(2, &["--max-time", "0"]).contains("the maximum time is 0 ns: it must be positive."));
     let negative = ["photons", "bar.gdml", "--at", "0,0,0", "--wavelength=-5"];
@@ -263,15 +266,15 @@ fn arrays() {
     bench.write("flat.npy", npy("<f4", "(16,)", singles(&photon)));
     let flat = ["photons", "bar.gdml", "--photons", "flat.npy"];
     assert!(bench.fails(3, &flat).contains("flat.npy: its shape is (16): it must be (n, 4, 4)."));
-    let ints = ["photons", "bar.gdml", "--gensteps", "ints.npy"];
-    bench.write("ints.npy", npy("<i4", "(1, 6, 4)", singles(&step)));
-    assert!(bench.fails(3, &ints).contains("its numbers are <i4: they must be float32 or float64."));
     let flat = ["photons", "bar.gdml", "--gensteps", "flat.npy"];
     assert!(
         bench
             .fails(3, &flat)
             .contains("flat.npy: the array of gensteps has shape (16,): it must be (N, 6, 4) or (N, 16).")
     );
+    let ints = ["photons", "bar.gdml", "--gensteps", "ints.npy"];
+    bench.write("ints.npy", npy("<i4", "(1, 6, 4)", singles(&step)));
+    assert!(bench.fails(3, &ints).contains("its numbers are <i4: they must be float32 or float64."));
     bench.write("empty.npy", Vec::new());
     let empty = bench.fails(3, &["photons", "bar.gdml", "--gensteps", "empty.npy"]);
     assert!(empty.ends_with("empty.npy: the file is empty: an NPY header is required.\n"), "{empty}");
