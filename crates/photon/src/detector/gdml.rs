@@ -1,5 +1,6 @@
 //! Optical materials and volumes in the `[gdml]` table of a document.
 
+use super::former_names::FORMER_NAMES;
 use super::properties::{Owner, Properties, PropertyReader};
 use crate::material::{
     Compressibility, Mie, OpticalMaterial, ScintillationComponent, WATER_COMPRESSIBILITY, WATER_TEMPERATURE,
@@ -102,19 +103,9 @@ fn shifter(properties: &mut Properties<'_>, names: &[&str; 4]) -> Option<Wavelen
     Some(WavelengthShifter { length: length?, spectrum: spectrum?, time, mean_photons })
 }
 
-/// Names of properties of scintillation before version 11 of Geant4, and their names since then.
-const FORMER_NAMES: [(&str, &str); 6] = [
-    ("FASTCOMPONENT", "SCINTILLATIONCOMPONENT1"),
-    ("SLOWCOMPONENT", "SCINTILLATIONCOMPONENT2"),
-    ("FASTTIMECONSTANT", "SCINTILLATIONTIMECONSTANT1"),
-    ("SLOWTIMECONSTANT", "SCINTILLATIONTIMECONSTANT2"),
-    ("FASTSCINTILLATIONRISETIME", "SCINTILLATIONRISETIME1"),
-    ("SLOWSCINTILLATIONRISETIME", "SCINTILLATIONRISETIME2"),
-];
-
 fn scintillation(properties: &mut Properties<'_>) -> Vec<ScintillationComponent> {
-    for (former, name) in FORMER_NAMES {
-        properties.former(former, name);
+    for row in FORMER_NAMES.iter().filter(|row| row.is_read) {
+        properties.former(row.former, row.name);
     }
     // the share of the fast component, before version 11
     let ratio = properties.ratio("YIELDRATIO");

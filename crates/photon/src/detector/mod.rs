@@ -2,6 +2,7 @@
 
 mod borders;
 mod copies;
+pub(crate) mod former_names;
 pub(crate) mod gdml;
 mod meetings;
 mod native;

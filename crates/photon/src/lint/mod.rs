@@ -15,6 +15,7 @@ mod volumes;
 
 pub use finding::LintFinding;
 
+use crate::detector::former_names::successor;
 use crate::detector::{OpticalTable, Optics, regions};
 use crate::tables::SurfaceTables;
 use contacts::contacts;
@@ -68,7 +69,7 @@ pub fn lint<E: Evaluator>(
     for note in &optics.properties.notes {
         match () {
             () if note.is_mistake() => lint.find(&note.owner, &note.property, note.message.clone()),
-            () if properties::successor(&note.property).is_some() => {}
+            () if successor(&note.property).is_some() => {}
             () => lint.find_unused(&note.owner, &note.property, note.message.clone()),
         }
     }

@@ -2,32 +2,19 @@
 
 use super::state::Lint;
 use super::values;
+use crate::detector::former_names::successor;
 use crate::detector::properties::Owner;
 use crate::energies;
 use rayweave_error::Message;
 use rayweave_scene::Datum;
 
-/// Names of properties before Geant4 11 and their successors (Geant4 11.0 release notes, "Optical photons").
-const RENAMED: [(&str, &str); 8] = [
-    ("FASTCOMPONENT", "SCINTILLATIONCOMPONENT1"),
-    ("SLOWCOMPONENT", "SCINTILLATIONCOMPONENT2"),
-    ("FASTTIMECONSTANT", "SCINTILLATIONTIMECONSTANT1"),
-    ("SLOWTIMECONSTANT", "SCINTILLATIONTIMECONSTANT2"),
-    ("FASTSCINTILLATIONRISETIME", "SCINTILLATIONRISETIME1"),
-    ("SLOWSCINTILLATIONRISETIME", "SCINTILLATIONRISETIME2"),
-    ("YIELDRATIO", "SCINTILLATIONYIELD1"),
-    ("SCINTILLATIONRISETIME", "SCINTILLATIONRISETIME1"),
-];
-
-/// Emission spectra.
-const SPECTRA: [&str; 7] = [
+/// Emission spectra, by their present names.
+const SPECTRA: [&str; 5] = [
     "SCINTILLATIONCOMPONENT1",
     "SCINTILLATIONCOMPONENT2",
     "SCINTILLATIONCOMPONENT3",
     "WLSCOMPONENT",
     "WLSCOMPONENT2",
-    "FASTCOMPONENT",
-    "SLOWCOMPONENT",
 ];
 
 /// The smallest fraction of photons at other energies than with a linear density for which a spectrum is called coarse. It is about
@@ -39,7 +26,9 @@ const COARSE: f64 = 0.1;
 /// On an interval of the width w with the values a and b, the fraction |b - a| w / 8 of the photons lies in the other half than with
 /// a linear density; the area is (a + b) w / 2 with both.
 fn coarse_spectrum(owner: &Owner, name: &str, mut points: Vec<(f64, f64)>) -> Option<Message> {
-    if !SPECTRA.contains(&name) || points.iter().any(|point| !(point.0.is_finite() && point.1 >= 0.0)) {
+    if !SPECTRA.contains(&successor(name).unwrap_or(name))
+        || points.iter().any(|point| !(point.0.is_finite() && point.1 >= 0.0))
+    {
         return None;
     }
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -60,11 +49,6 @@ fn coarse_spectrum(owner: &Owner, name: &str, mut points: Vec<(f64, f64)>) -> Op
         Message::new(problem, reason)
             .suggest("Add points where the values change, also near ends with the value 0."),
     )
-}
-
-/// The name since Geant4 11 of a property with an older name.
-pub(super) fn successor(name: &str) -> Option<&'static str> {
-    RENAMED.iter().find(|row| row.0 == name).map(|row| row.1)
 }
 
 impl Lint<'_> {
