@@ -175,19 +175,6 @@ fn pieces<E: Evaluator>(
     evaluator.crossings(rays, &Query::default(), scratch, &mut sink);
 }
 
-/// The shortest chord through a point along given directions, within the regions selected by `is_in`;
-/// adjacent selected regions count as one. `None` if the point is in none of them, or all chords are
-/// infinite.
-pub fn shortest_at<E: Evaluator>(
-    evaluator: &E,
-    point: Vec3,
-    directions: &[Vec3],
-    is_in: impl Fn(RegionId) -> bool,
-    scratch: &mut E::Scratch,
-) -> Option<MeasuredChord> {
-    shortest_across(evaluator, &[point], directions, &is_in, Faces::Any, scratch).map(|across| across.chord)
-}
-
 /// The faces that a chord may join.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Faces {
@@ -490,8 +477,9 @@ mod tests {
         let mut scratch = nested.scratch();
         let mut at = |x: f64, is_in: &dyn Fn(RegionId) -> bool| {
             let directions = [Vec3::X * 3.0, Vec3::Y, Vec3::ZERO];
-            let chord = shortest_at(&nested, Vec3::new(x, 0.0, 0.0), &directions, is_in, &mut scratch);
-            chord.map(|chord| chord.length())
+            let points = [Vec3::new(x, 0.0, 0.0)];
+            let found = shortest_across(&nested, &points, &directions, &is_in, Faces::Any, &mut scratch);
+            found.map(|found| found.chord.length())
         };
         assert_eq!(at(1.5, &|region| region == RegionId(1)), Some(1.0));
         assert_eq!(at(0.0, &|region| region == RegionId(2)), Some(2.0));

@@ -384,11 +384,6 @@ impl Polyhedron {
         self.tree.chord(line)
     }
 
-    /// Calls `visit` with the indices of all triangles that intersect a box, and of some others nearby.
-    pub fn triangles_near(&self, bounds: &Bounds, mut visit: impl FnMut(u32)) {
-        self.tree.within(bounds, |range| self.numbers[range].iter().for_each(|&number| visit(number)));
-    }
-
     fn corners(&self, place: usize) -> Triangle {
         self.triangles[place].map(|vertex| self.vertices[vertex as usize])
     }

@@ -58,9 +58,4 @@ impl ApproximateColumns {
         self.bound.clear();
         self.uncertain.clear();
     }
-
-    /// The numbers of the rays that are uncertain.
-    pub fn uncertain_rays(&self) -> impl Iterator<Item = usize> {
-        self.uncertain.iter().enumerate().filter_map(|(ray, &uncertain)| uncertain.then_some(ray))
-    }
 }

@@ -161,11 +161,6 @@ impl Chunk {
         &self.columns
     }
 
-    /// Returns the columns, so that they can be filled again without allocation.
-    pub fn into_columns(self) -> Vec<Values> {
-        self.columns
-    }
-
     /// Checks number and types of the columns and the range of name indices.
     pub(crate) fn check(&self, schema: &Schema) -> Result<(), TableError> {
         let columns = schema.columns();

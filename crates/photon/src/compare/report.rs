@@ -166,12 +166,6 @@ impl Comparison {
         self.quantities.iter().find(|quantity| quantity.name == name)
     }
 
-    /// The largest z of the quantities.
-    #[must_use]
-    pub fn worst_z(&self) -> f64 {
-        self.quantities.iter().map(|quantity| quantity.z).fold(f64::NEG_INFINITY, f64::max)
-    }
-
     /// The result for equal samples in a sentence; `None` for others.
     #[must_use]
     pub fn equality(&self) -> Option<String> {

@@ -224,12 +224,6 @@ impl Detector {
         self.sensor_list.get_or_init(|| SensorList::new(&self.program, &self.region_names, &self.detecting))
     }
 
-    /// The number of sensitive volumes.
-    #[must_use]
-    pub fn sensor_count(&self) -> usize {
-        self.sensors().count()
-    }
-
     /// The material of a region.
     #[must_use]
     pub fn material(&self, region: RegionId) -> &OpticalMaterial {

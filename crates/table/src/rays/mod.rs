@@ -86,11 +86,14 @@ impl RayReader {
     /// use rayweave_table::{RayChunk, RayReader};
     ///
     /// let text = "power,ox,oy,oz,dx,dy,dz,wavelength_nm\n0.5,0,0,-10,0,0,1,633\n";
-    /// let mut reader = RayReader::light_from_csv(text.as_bytes(), "light.csv")?;
+    /// let path = std::env::temp_dir().join(format!("rayweave-light-{}.csv", std::process::id()));
+    /// std::fs::write(&path, text)?;
+    /// let mut reader = RayReader::open_light(&path)?;
     /// let mut chunk = RayChunk::default();
     /// assert_eq!(reader.read(&mut chunk, 100)?, 1);
     /// assert_eq!((chunk.wavelength_nm, chunk.power), (vec![633.0], vec![0.5]));
-    /// # Ok::<(), rayweave_table::TableError>(())
+    /// # std::fs::remove_file(&path)?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn open_light(path: impl AsRef<Path>) -> Result<Self, TableError> {
         Self::open_as(path.as_ref(), Content::Light)
@@ -136,18 +139,6 @@ impl RayReader {
     /// As [`open`](Self::open).
     pub fn from_csv(source: impl Read + Send + 'static, name: impl Into<String>) -> Result<Self, TableError> {
         Self::start(name.into(), |problems| csv::CsvRays::open(source, None, Content::Rays, problems))
-    }
-
-    /// Reads CSV of rays with light columns from any source; see [`open_light`](Self::open_light).
-    ///
-    /// # Errors
-    ///
-    /// As [`open`](Self::open).
-    pub fn light_from_csv(
-        source: impl Read + Send + 'static,
-        name: impl Into<String>,
-    ) -> Result<Self, TableError> {
-        Self::start(name.into(), |problems| csv::CsvRays::open(source, None, Content::Light, problems))
     }
 
     fn start<S: RaySource + 'static>(

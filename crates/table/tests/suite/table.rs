@@ -105,14 +105,14 @@ fn an_invalid_chunk_is_reported_and_the_table_cannot_be_finished() {
         "the chunk is invalid: it has 1 columns, the schema has 5."
     );
 
-    let mut columns = chunk(0, 2).into_columns();
+    let mut columns = chunk(0, 2).columns().to_vec();
     columns[4] = vec![0, 2_u32].into();
     assert_eq!(
         table.write(&Chunk::new(columns).unwrap()).unwrap_err().to_string(),
         "the chunk is invalid: column \"medium\" has the name index 2 in row 1, but there are 2 names."
     );
 
-    let mut columns = chunk(0, 2).into_columns();
+    let mut columns = chunk(0, 2).columns().to_vec();
     columns[0] = Values::F64(vec![0.0, 1.0]);
     assert_eq!(
         table.write(&Chunk::new(columns).unwrap()).unwrap_err().to_string(),
