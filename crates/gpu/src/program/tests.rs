@@ -24,7 +24,7 @@ fn the_order_in_which_batches_are_complete_changes_nothing() {
     }
     let gpu = Gpu::new();
     let Ok(adapter) = gpu.adapter(0) else {
-        println!("skipped: no adapter");
+        rayweave_conformance::skipped("there is no adapter");
         return;
     };
     let solid: Solid = build("sphere", &[("radius", 1.0.into())]).unwrap().into();

@@ -102,7 +102,7 @@ fn with_adapter(test: impl FnOnce(&Adapter, &Device)) {
     let gpu = Gpu::new();
     match gpu.adapter(0) {
         Ok(adapter) => test(adapter, &adapter.open().unwrap()),
-        Err(problem) => println!("skipped: {problem}"),
+        Err(problem) => rayweave_conformance::skipped(problem),
     }
 }
 
