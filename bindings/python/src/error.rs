@@ -1,6 +1,6 @@
 //! Conversion of errors to Python exceptions.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use pyo3::exceptions::{PyAttributeError, PyFileNotFoundError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -76,6 +76,13 @@ pub fn require_file(path: &Path) -> PyResult<()> {
         ))),
         _ => Ok(()),
     }
+}
+
+/// Raises a `FileNotFoundError` with files of similar names if there is no such file.
+#[pyfunction]
+#[pyo3(signature = (path))]
+pub fn require_input(path: PathBuf) -> PyResult<()> {
+    require_file(&path)
 }
 
 /// The error number `ENOENT`, which has the same value on all supported platforms.

@@ -71,7 +71,7 @@ mod _core {
     #[pymodule_export]
     use crate::diff::diff_columns;
     #[pymodule_export]
-    use crate::error::RayweaveError;
+    use crate::error::{RayweaveError, require_input};
     #[pymodule_export]
     use crate::explain::PyExplanation;
     #[pymodule_export]

@@ -972,3 +972,9 @@ def test_plots_and_tables(tmp_path: Any) -> None:
     assert [row[0] for row in rows] == ["surface", "1", "2", "3", "4", "5", "6", "sum"]
     assert float(rows[-1][1]) == pytest.approx(seidel.sum["spherical"], rel=1e-5)
     assert "rms [mm]" in str(spots) and len(str(spots).splitlines()) == 4
+
+
+def test_a_missing_lens_file_is_reported_with_its_neighbours(tmp_path):
+    (tmp_path / "lens.zmx").write_text("")
+    with pytest.raises(FileNotFoundError, match=r"did you mean `.*lens\.zmx`\?"):
+        Prescription.read_zmx(tmp_path / "lense.zmx")

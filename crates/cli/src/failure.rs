@@ -1,5 +1,6 @@
 //! Failures of the command: messages and exit codes.
 
+use rayweave::scene::{nearby_sentence, reason};
 use rayweave::{Error, ErrorKind};
 use std::io;
 use std::path::Path;
@@ -47,6 +48,12 @@ impl Failure {
             Failure::Cancelled => 130,
         }
     }
+}
+
+/// The failure of a file that cannot be read, with files of similar names if there is no such file.
+pub fn unreadable(path: &Path, error: &io::Error) -> Failure {
+    let (name, hint) = (path.display(), nearby_sentence(path));
+    Failure::Input(format!("cannot read {name}: {}.{hint}", reason(error)))
 }
 
 impl<E: Into<Error>> From<E> for Failure {

@@ -9,7 +9,7 @@ use rayweave::lens::prescription::{FieldKind, IMAGE, Prescription, PrescriptionE
 use rayweave::optics::file::OpticalScene;
 use rayweave::optics::source::{ListedRays, Pattern, Power, Source, Sources};
 use rayweave::optics::{Beam, TraceSettings};
-use rayweave::scene::{Unit, read_bytes};
+use rayweave::scene::{Unit, nearby_sentence, read_bytes};
 use std::path::Path;
 
 /// The number of rings of rays in the pupil, 880 rays for each field and wavelength: 20 rings leave an error of RMS radii
@@ -50,8 +50,9 @@ pub fn read(model: &ModelArguments) -> Result<Prescription, Failure> {
         return Err(Failure::Usage(format!("{problem}: only Rayweave's own models have them.")));
     }
     let name = path.display();
-    let bytes =
-        read_bytes(path).map_err(|reason| Failure::Input(format!("{name}: cannot be read: {reason}.")))?;
+    let unreadable =
+        |reason| Failure::Input(format!("{name}: cannot be read: {reason}.{}", nearby_sentence(path)));
+    let bytes = read_bytes(path).map_err(unreadable)?;
     let read = read_zmx(&bytes).map_err(|error| wrong(model, &error))?;
     if let (true, Some(note)) = (model.strict, read.notes.first()) {
         return Err(Failure::Input(format!("{name}: {note}")));

@@ -3,12 +3,11 @@
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::document::Document;
 use crate::formats::native::{self, Kept, Reading};
-use crate::nearby::nearby_files;
 use crate::resolve::{reason, resolve, resolve_definitions};
 use crate::scene::Scene;
 use crate::source::{Source, Span};
 use rayweave_error::with_limited_suggestions;
-use rayweave_table::{AtomicFile, TableError};
+use rayweave_table::{AtomicFile, TableError, nearby_files};
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};

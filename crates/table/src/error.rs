@@ -1,6 +1,7 @@
 //! Errors of tables, output files and ray files.
 
 use crate::allowed::RefusedFile;
+use crate::nearby::nearby_sentence;
 use crate::reason::reason;
 use rayweave_error::{Classified, ErrorKind, Message};
 use std::fmt;
@@ -12,7 +13,7 @@ use std::path::Path;
 #[non_exhaustive]
 pub enum TableError {
     /// Opening, reading, writing or renaming a file failed.
-    #[error("cannot {action} {path}: {}.", reason(error))]
+    #[error("cannot {action} {path}: {}.{}", reason(error), hint(action, path, error))]
     Io {
         /// The failed action: "read", "write", "create" or "remove".
         action: &'static str,
@@ -58,6 +59,14 @@ pub enum TableError {
     /// A ray file is invalid; lists the problems.
     #[error(transparent)]
     Rays(#[from] RayProblems),
+}
+
+/// Files near one that is missing.
+fn hint(action: &str, path: &str, error: &io::Error) -> String {
+    match action == "read" && error.kind() == io::ErrorKind::NotFound {
+        true => nearby_sentence(Path::new(path)),
+        false => String::new(),
+    }
 }
 
 impl Classified for TableError {

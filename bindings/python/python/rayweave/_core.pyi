@@ -86,6 +86,7 @@ __all__ = [
     "pupil_points",
     "ray_timeline_svg",
     "render",
+    "require_input",
     "revolve_outline",
     "root_problems",
     "section_from_parts",
@@ -182,6 +183,9 @@ class RayweaveError(ValueError):
     ...
     rayweave.RayweaveError: sphere: radius is -1: radius must be finite and greater than 0. Did you mean 1?
     """
+
+def require_input(path: str | PathLike[str]) -> None:
+    """Raises a `FileNotFoundError` with files of similar names if there is no such file."""
 
 @final
 class Explanation:

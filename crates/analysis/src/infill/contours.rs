@@ -30,7 +30,10 @@ pub fn read_region(path: impl AsRef<Path>, outside: Side) -> Result<Polygons, An
     let bytes = rayweave_scene::read_bytes(path).map_err(|reason| TableError::Io {
         action: "read",
         path: path.display().to_string(),
-        error: std::io::Error::other(reason),
+        error: match path.try_exists() {
+            Ok(false) => std::io::ErrorKind::NotFound.into(),
+            _ => std::io::Error::other(reason),
+        },
     })?;
     let invalid = |problems| ContourProblems { file: path.display().to_string(), problems };
     let contours = parse(&bytes).map_err(invalid)?;

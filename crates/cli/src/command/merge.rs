@@ -3,7 +3,7 @@
 use super::check::read_check_share;
 use super::volume::read_share;
 use crate::arguments::GlobalArguments;
-use crate::failure::Failure;
+use crate::failure::{Failure, unreadable};
 use crate::terminal;
 use clap::Args;
 use rayweave::check::CheckShare;
@@ -98,10 +98,7 @@ impl Merge {
 /// Joins rows of a picture.
 fn stack(set: &PartSet, out: &Path) -> Result<(), Failure> {
     set.check_whole()?;
-    let read = |path: &Path| {
-        std::fs::read(path)
-            .map_err(|error| Failure::Input(format!("cannot read {}: {error}.", path.display())))
-    };
+    let read = |path: &Path| std::fs::read(path).map_err(|error| unreadable(path, &error));
     let pictures: Vec<Vec<u8>> = set.parts().map(|(path, _)| read(path)).collect::<Result<_, _>>()?;
     let whole = png::stack(&pictures).map_err(|error| Failure::Input(error.to_string()))?;
     terminal::save(out, &whole)

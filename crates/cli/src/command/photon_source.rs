@@ -1,7 +1,7 @@
 //! The source of `rayweave photons`: torches, gensteps and lists of photons.
 
 use crate::arguments::{point, time};
-use crate::failure::Failure;
+use crate::failure::{Failure, unreadable};
 use clap::{Args, ValueEnum};
 use rayweave::photon::{
     Detector, Directions, GenstepNumbers, Gensteps, LinearDensity, Origin, Photon, PhotonError, Pulse,
@@ -232,8 +232,7 @@ fn in_file(path: &Path, error: &PhotonError) -> Failure {
 
 /// Reads an array; true if it is float32.
 fn read_npy(path: &Path) -> Result<(NpyArray, bool), Failure> {
-    let file =
-        File::open(path).map_err(|error| bad_file(path, &format!("cannot read the file: {error}.")))?;
+    let file = File::open(path).map_err(|error| unreadable(path, &error))?;
     let read = NpyArray::read_floats(&mut BufReader::new(file), u64::from(u32::MAX) << 4);
     read.map_err(|error| match error {
         rayweave::table::NpyArrayError::Type(name) => {
@@ -273,11 +272,10 @@ const MAX_BYTES: u64 = 1 << 26;
 
 /// Reads a CSV file of two columns, with an optional line of names.
 fn read_spectrum(path: &Path) -> Result<WavelengthDistribution, Failure> {
-    let unreadable = |error: &std::io::Error| bad_file(path, &format!("cannot read the file: {error}."));
     // pipes and devices state no size
-    let file = File::open(path).map_err(|error| unreadable(&error))?;
+    let file = File::open(path).map_err(|error| unreadable(path, &error))?;
     let mut text = String::new();
-    file.take(MAX_BYTES + 1).read_to_string(&mut text).map_err(|error| unreadable(&error))?;
+    file.take(MAX_BYTES + 1).read_to_string(&mut text).map_err(|error| unreadable(path, &error))?;
     if text.len() as u64 > MAX_BYTES {
         return Err(bad_file(path, &format!("the spectrum has more than {MAX_BYTES} bytes.")));
     }

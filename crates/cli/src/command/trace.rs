@@ -2,7 +2,7 @@
 
 use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, SubjectArguments, time};
 use crate::device::DeviceArguments;
-use crate::failure::Failure;
+use crate::failure::{Failure, unreadable};
 use crate::interrupt::{self, Interruptible};
 use crate::terminal::{self, Unit};
 use clap::Args;
@@ -118,8 +118,7 @@ impl Trace {
             return Err(Failure::Usage(text.to_owned()));
         }
         let mut rays = ContentHash::new();
-        rays.file(&self.rays)
-            .map_err(|error| Failure::Input(format!("cannot read {}: {error}.", self.rays.display())))?;
+        rays.file(&self.rays).map_err(|error| unreadable(&self.rays, &error))?;
         let bound = |t: Option<f64>| t.map_or_else(|| "default".to_owned(), |t| t.to_string());
         let settings = [
             ("model", scene.content_hash()),

@@ -3,7 +3,7 @@
 use crate::arguments::{
     GlobalArguments, ModelArguments, PartArguments, SamplingArguments, SubjectArguments, WithinArguments,
 };
-use crate::failure::Failure;
+use crate::failure::{Failure, unreadable};
 use crate::terminal::{self, Sampling, Unit};
 use crate::{interrupt, interval};
 use clap::Args;
@@ -246,8 +246,7 @@ impl Volume {
 
 /// Reads a file of sums.
 pub fn read_share(path: &Path) -> Result<MeasureShare, Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::Input(format!("cannot read {}: {error}.", path.display())))?;
+    let text = std::fs::read_to_string(path).map_err(|error| unreadable(path, &error))?;
     MeasureShare::from_text(&text)
         .ok_or_else(|| Failure::Input(format!("{} has no sums of a measurement.", path.display())))
 }

@@ -383,6 +383,11 @@ fn a_lens_file() {
     let failed = bench.fails(3, &["optics", "bad.zmx"]);
     assert!(failed.contains("error: bad.zmx: line 1: the file has no aperture"), "{failed}");
     assert!(bench.fails(3, &["optics", "none.zmx"]).contains("none.zmx: cannot be read"));
+    let missing = bench.fails(3, &["optics", "bat.zmx"]);
+    assert!(
+        missing.ends_with("cannot be read: there is no such file. Did you mean `bad.zmx`?\n"),
+        "{missing}"
+    );
     assert!(bench.fails(2, &["optics", "lens.ZMX", "-D", "a=3"]).contains("a lens file has no parameters"));
 }
 

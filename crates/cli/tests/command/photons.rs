@@ -278,6 +278,8 @@ fn arrays() {
     bench.write("empty.npy", Vec::new());
     let empty = bench.fails(3, &["photons", "bar.gdml", "--gensteps", "empty.npy"]);
     assert!(empty.ends_with("empty.npy: the file is empty: an NPY header is required.\n"), "{empty}");
+    let missing = bench.fails(3, &["photons", "bar.gdml", "--gensteps", "step.npy"]);
+    assert!(missing.ends_with("step.npy: there is no such file. Did you mean `steps.npy`?\n"), "{missing}");
 }
 
 /// The native model of the guide has the hits of the GDML file.

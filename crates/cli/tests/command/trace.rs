@@ -227,8 +227,8 @@ fn files_that_cannot_be_opened() {
     let fails =
         |code, rays: &str, out: &str| bench.fails(code, &["trace", "ball.toml", "--rays", rays, "-o", out]);
     assert_eq!(
-        fails(3, "none.csv", "hits.csv"),
-        "error: cannot read none.csv: there is no such file or folder.\n"
+        fails(3, "ray.csv", "hits.csv"),
+        "error: cannot read ray.csv: there is no such file or folder. Did you mean `rays.csv`?\n"
     );
     std::fs::create_dir(bench.path("folder.csv")).unwrap();
     assert!(fails(3, "folder.csv", "hits.csv").contains("it is a folder"));

@@ -4,7 +4,7 @@ use super::sample::{Alphabet, PhotonSample, SampleTrack, SharedHistories};
 use crate::error::PhotonError;
 use crate::history::Process;
 use rayweave_error::Message;
-use rayweave_table::{NpyArray, NpyArrayError, TableReader, TableRow, read_npy_words};
+use rayweave_table::{NpyArray, NpyArrayError, TableReader, TableRow, nearby_sentence, read_npy_words};
 use std::collections::HashMap;
 use std::fs::File;
 use std::path::Path;
@@ -49,7 +49,7 @@ fn unusable(name: &str, reason: impl Into<String>) -> PhotonError {
 
 /// An array of Opticks; `None` for a table.
 fn array(path: &Path, name: &str) -> Result<Option<PhotonSample>, PhotonError> {
-    let open = || File::open(path).map_err(|error| unusable(name, io_reason(&error)));
+    let open = || File::open(path).map_err(|error| unreadable(path, name, &error));
     match read_npy_words(&mut open()?, MAX_NUMBERS) {
         Ok((words, shape)) => return sequences(name, &words, &shape).map(Some),
         Err(NpyArrayError::Type(kind)) if kind.starts_with('[') => return Ok(None),
@@ -63,11 +63,12 @@ fn array(path: &Path, name: &str) -> Result<Option<PhotonSample>, PhotonError> {
     }
 }
 
-fn io_reason(error: &std::io::Error) -> String {
-    match error.kind() {
-        std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
-        _ => error.to_string(),
-    }
+fn unreadable(path: &Path, name: &str, error: &std::io::Error) -> PhotonError {
+    let message = Message::new(format!("{name} cannot be compared"), rayweave_scene::reason(error));
+    PhotonError::Sample(match nearby_sentence(path).trim_start() {
+        "" => message,
+        hint => message.suggest(hint),
+    })
 }
 
 /// Opticks' sequences.

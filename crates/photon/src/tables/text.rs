@@ -3,6 +3,7 @@
 use crate::error::PhotonError;
 use flate2::read::ZlibDecoder;
 use rayweave_error::Message;
+use rayweave_table::nearby_sentence;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -58,7 +59,13 @@ fn bytes(path: &Path) -> io::Result<Vec<u8>> {
 fn read<T: Number>(path: &Path, limit: usize) -> Result<Vec<T>, Message> {
     let path = &existing(path);
     let problem = || format!("cannot read the table {}", path.display());
-    let bytes = bytes(path).map_err(|error| Message::new(problem(), error.to_string()))?;
+    let bytes = bytes(path).map_err(|error| {
+        let message = Message::new(problem(), rayweave_scene::reason(&error));
+        match nearby_sentence(path).trim_start() {
+            "" => message,
+            hint => message.suggest(hint),
+        }
+    })?;
     if bytes.len() as u64 > MAX_BYTES {
         return Err(Message::new(problem(), format!("it has more than {MAX_BYTES} bytes")));
     }

@@ -276,7 +276,11 @@ fn progress_is_in_bytes() {
 fn read_errors_have_a_reason() {
     let folder = Folder::new();
     let text_of = |name: &str| folder.text_of(&RayReader::open(folder.join(name)).unwrap_err());
-    assert_eq!(text_of("rays.csv"), "cannot read rays.csv: there is no such file or folder.");
+    let missing = text_of("rays.csv");
+    let expected = "cannot read rays.csv: there is no such file or folder. Check the path: `";
+    assert!(missing.starts_with(expected), "{missing}");
+    std::fs::write(folder.join("ray.csv"), "").unwrap();
+    assert!(text_of("rays.csv").ends_with("ray.csv`?"), "{}", text_of("rays.csv"));
     std::fs::create_dir(folder.join("rays.csv")).unwrap();
     assert_eq!(text_of("rays.csv"), "cannot read rays.csv: it is a folder.");
     assert_eq!(

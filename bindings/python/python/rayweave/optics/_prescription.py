@@ -501,6 +501,7 @@ class Prescription:
 
         Everything in the file that can have an effect and is ignored or replaced, such as a glass that no catalogue has, is
         a `UserWarning` with its line; `passed_over` has the same texts."""
+        _core.require_input(path)
         compiled, notes = _core.CompiledPrescription.read_zmx(Path(path).read_bytes())
         for note in notes:
             warnings.warn(f"{path}: {note}", stacklevel=2)

@@ -39,6 +39,15 @@ pub fn nearby_files(path: &Path) -> Option<String> {
     })
 }
 
+/// [`nearby_files`] as a sentence after a space, for the end of a message; empty if the file exists.
+pub fn nearby_sentence(path: &Path) -> String {
+    let Some(hint) = nearby_files(path) else { return String::new() };
+    let full_stop = if hint.ends_with('?') { "" } else { "." };
+    let mut letters = hint.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_uppercase());
+    format!(" {}{}{full_stop}", first.map(String::from).unwrap_or_default(), letters.as_str())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -59,6 +68,11 @@ mod tests {
         assert_eq!(said("cube.toml").unwrap(), format!("did you mean `F{sep}cube.stl`?"));
         assert_eq!(said("engine.toml").unwrap(), "`F` has `lens.toml`, `plate.toml`");
         assert_eq!(said("plate.toml"), None);
+        let sentence =
+            |name: &str| nearby_sentence(&folder.join(name)).replace(&folder.display().to_string(), "F");
+        assert_eq!(sentence("plat.toml"), format!(" Did you mean `F{sep}plate.toml`?"));
+        assert_eq!(sentence("wheel.stl"), " `F` has `cube.stl`.");
+        assert_eq!(sentence("plate.toml"), "");
         let nowhere = nearby_files(&folder.join("none").join("a.toml")).unwrap();
         assert!(
             nowhere.starts_with("check the folder `") && nowhere.ends_with("`: it cannot be read"),
