@@ -2,13 +2,15 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayweave::check::{CheckReport, CheckSettings, Finding, Hierarchy, check, finding_section};
+use rayweave::check::{
+    CheckProgress, CheckReport, CheckSettings, Finding, Hierarchy, check, finding_section,
+};
 use rayweave::model::drive::Cancel;
 use rayweave::{AnalysisError, AnyEvaluator};
 
 use crate::engine::thread_argument;
-use crate::interrupt::interruptible;
 use crate::model::PyModel;
+use crate::progress::watched;
 use crate::section::PySection;
 use crate::subject::{bounds, scene};
 
@@ -27,7 +29,8 @@ type Row = (
 #[pyfunction]
 #[pyo3(signature = (
     subject: "Subject", wall, gap, distance, cells, confidence, most_pairs,
-    within: "Sequence[Sequence[float]] | None", seed, pictures, threads: "int | None"
+    within: "Sequence[Sequence[float]] | None", seed, pictures, threads: "int | None",
+    progress: "Callable[[int, int], object] | None" = None
 ) -> "tuple[list[CheckRow], str, dict[str, float]]")]
 #[expect(clippy::too_many_arguments, reason = "those of the function in Python")]
 pub fn check_rows<'py>(
@@ -42,6 +45,7 @@ pub fn check_rows<'py>(
     seed: u64,
     pictures: bool,
     threads: Option<&Bound<'py, PyAny>>,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<(Vec<Row>, &'static str, Bound<'py, PyDict>)> {
     let py = subject.py();
     let scene = scene(subject)?;
@@ -61,8 +65,9 @@ pub fn check_rows<'py>(
         cancel: cancel.clone(),
     };
     let unit = scene.unit.symbol();
-    let (report, rows) = interruptible(py, &cancel, || {
-        let report = check(&scene, hierarchy.as_ref(), AnyEvaluator::maker(None), &settings, &mut |_| ())?;
+    let (report, rows) = watched(py, &cancel, progress, |watch| {
+        let mut tell = |now: CheckProgress| watch.report(now.done, now.total);
+        let report = check(&scene, hierarchy.as_ref(), AnyEvaluator::maker(None), &settings, &mut tell)?;
         let picture = |finding: &Finding| match pictures {
             true => finding_section(&scene, finding, AnyEvaluator::maker(None), &settings),
             false => Ok(None),

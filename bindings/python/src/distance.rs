@@ -11,7 +11,7 @@ use rayweave::model::drive::Cancel;
 
 use crate::engine::{BLOCK, Engine, thread_argument};
 use crate::error::bad_value;
-use crate::interrupt::interruptible;
+use crate::progress::{callback, watched};
 use crate::rays::{Columns, Vectors, invalid_input};
 
 /// The distances of points from the boundary, as `rayweave.Distances`: that of the selected regions, or of all without a selection.
@@ -20,14 +20,14 @@ pub fn distance<'py>(
     points: &Bound<'py, PyAny>,
     regions: Option<&[bool]>,
     precision: f64,
-    threads: Option<&Bound<'py, PyAny>>,
+    (threads, progress): (Option<&Bound<'py, PyAny>>, Option<&Bound<'py, PyAny>>),
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = points.py();
     let settings = DistanceSettings { precision, ..DistanceSettings::default() };
     let threads = threads.map(thread_argument).transpose()?;
     let places = checked(points)?;
     let cancel = Cancel::new();
-    let found = interruptible(py, &cancel, || {
+    let found = watched(py, &cancel, callback(py, progress)?, |watch| {
         let field = match regions {
             None => DistanceField::new(&engine.program, settings)?,
             Some(selected) => {
@@ -36,8 +36,9 @@ pub fn distance<'py>(
                 DistanceField::of_regions(&engine.program, &is_selected, settings)?
             }
         };
-        let run = DistanceRun { threads, cancel: cancel.clone() };
-        field.distances(&places, &run)
+        let mut tell = |done: usize| watch.report(done as u64, places.len() as u64);
+        let mut run = DistanceRun { threads, cancel: cancel.clone(), progress: Some(&mut tell) };
+        field.distances(&places, &mut run)
     })?;
     let vectors = |rows: Vec<Vec3>| {
         let flat = rows.iter().flat_map(|row| row.to_array()).collect();

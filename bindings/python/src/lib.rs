@@ -33,6 +33,7 @@ mod photons;
 mod pickle;
 mod points;
 mod polygons;
+mod progress;
 mod rays;
 mod render;
 mod repr;

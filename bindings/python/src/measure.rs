@@ -3,13 +3,15 @@
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use rayweave::AnyEvaluator;
-use rayweave::measure::{Estimate, MeasureSettings, RegionReport, SceneReport, measure_scene};
+use rayweave::measure::{
+    Estimate, MeasureProgress, MeasureSettings, RegionReport, SceneReport, measure_scene_with_progress,
+};
 use rayweave::model::drive::Cancel;
+use rayweave::{AnalysisError, AnyEvaluator};
 
 use crate::engine::thread_argument;
 use crate::error::bad_value;
-use crate::interrupt::interruptible;
+use crate::progress::watched;
 use crate::subject::{bounds, scene};
 
 /// Names of regions and media; numbers of rays and whether the precision is reached; the numbers of each region with their
@@ -29,7 +31,8 @@ const NUMBERS: usize = 16;
 #[pyfunction]
 #[pyo3(signature = (
     subject: "Subject", precision, confidence, most_rays: "int | None",
-    within: "Sequence[Sequence[float]] | None", seed, evaluator, threads: "int | None"
+    within: "Sequence[Sequence[float]] | None", seed, evaluator, threads: "int | None",
+    progress: "Callable[[int, int], object] | None" = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "those of the function in Python")]
 pub fn measure_columns<'py>(
@@ -41,6 +44,7 @@ pub fn measure_columns<'py>(
     seed: u64,
     evaluator: Option<&str>,
     threads: Option<&Bound<'py, PyAny>>,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<Columns<'py>> {
     let py = subject.py();
     let scene = scene(subject)?;
@@ -55,8 +59,18 @@ pub fn measure_columns<'py>(
         ..MeasureSettings::default()
     }
     .with_most_rays(most_rays);
-    let report = interruptible(py, &cancel, || {
-        measure_scene(&scene, None, AnyEvaluator::maker(evaluator), &settings, &mut |_| ())
+    let report = watched(py, &cancel, progress, |watch| {
+        let mut tell = |now: MeasureProgress| {
+            let part = now.part_done(precision);
+            // there is no estimate before the first round
+            if part > 0.0 {
+                watch.report(now.rays, (now.rays as f64 / part) as u64);
+            }
+        };
+        let make = AnyEvaluator::maker(evaluator);
+        let report = measure_scene_with_progress(&scene, None, make, &settings, &mut tell)?;
+        watch.total(report.rays);
+        Ok::<_, AnalysisError>(report)
     })?;
     columns(py, &report)
 }

@@ -599,7 +599,8 @@ impl PyModel {
     /// >>> model.distance([0, 0, 1.25], regions="core").distance
     /// array([0.25])
     #[pyo3(signature = (
-        points: "ArrayLike", *, regions: "str | Sequence[str] | None" = None, precision = 1e-9, threads: "int | None" = None
+        points: "ArrayLike", *, regions: "str | Sequence[str] | None" = None, precision = 1e-9, threads: "int | None" = None,
+        progress: "Progress" = None
     ) -> "Distances")]
     fn distance<'py>(
         &self,
@@ -607,13 +608,14 @@ impl PyModel {
         regions: Option<&Bound<'py, PyAny>>,
         precision: f64,
         threads: Option<&Bound<'py, PyAny>>,
+        progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = points.py();
         match regions.map(|names| self.selected(names)).transpose()? {
-            None => distance::distance(self.engine(py)?, points, None, precision, threads),
+            None => distance::distance(self.engine(py)?, points, None, precision, (threads, progress)),
             Some(selected) => {
                 let engine = self.engine_by(py, "region")?;
-                distance::distance(engine, points, Some(&selected), precision, threads)
+                distance::distance(engine, points, Some(&selected), precision, (threads, progress))
             }
         }
     }

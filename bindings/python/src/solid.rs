@@ -381,7 +381,8 @@ impl PySolid {
 
     /// Signed distances of points (N, 3), (3,) or of a grid (..., 3) from the surface, and the nearest points on it, with bounds: see
     /// `Distances`. Distances are negative inside. One whose bounds differ by at most `precision` times the distance (or by
-    /// rounding) counts as exact.
+    /// rounding) counts as exact. `progress=True` shows the progress on standard error; a function is called with the numbers of
+    /// finished and of all points.
     ///
     /// >>> import rayweave as rw
     /// >>> found = (rw.box(2) - rw.sphere(0.5)).distance([[3, 2, 0], [0, 0, 0.8]])
@@ -389,14 +390,17 @@ impl PySolid {
     /// ([2.236067977, -0.2], [True, True])
     /// >>> found.nearest.round(9).tolist()
     /// [[1.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-    #[pyo3(signature = (points: "ArrayLike", *, precision = 1e-9, threads: "int | None" = None) -> "Distances")]
+    #[pyo3(signature = (
+        points: "ArrayLike", *, precision = 1e-9, threads: "int | None" = None, progress: "Progress" = None
+    ) -> "Distances")]
     fn distance<'py>(
         &self,
         points: &Bound<'py, PyAny>,
         precision: f64,
         threads: Option<&Bound<'py, PyAny>>,
+        progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        distance::distance(self.engine(points.py())?, points, None, precision, threads)
+        distance::distance(self.engine(points.py())?, points, None, precision, (threads, progress))
     }
 
     /// A box around the solid: float64 (2, 3), the smallest and the largest coordinates. The box

@@ -437,3 +437,54 @@ def test_repeated_parts_are_rejected_before_they_are_copied():
     for _ in range(60):
         same = (same | same) & same.translate([0, 0, 0])
     assert (same.bounds == rayweave.sphere(1).bounds).all()
+
+
+def test_differences_have_places():
+    plate = box([20, 10, 2])
+    bumped = (plate - box([2, 3, 10]).translate([-6, 1, 0])) | box([1, 1, 4]).translate([7, 2, 2])
+    found = rayweave.diff(plate, bumped, cells=64)
+    places = found.places
+    assert places.part.tolist() == ["model", "model"] and places.is_a.tolist() == [True, False]
+    # a hole of 2 x 3 x 2, and a post that is 3 higher than the plate; a grid of 24 rays across each place estimates volumes
+    np.testing.assert_allclose(places.volume, [12, 3], rtol=0.12)
+    np.testing.assert_allclose(places.centre, [[-6, 1, 0], [7, 2, 2.5]], atol=0.05)
+    np.testing.assert_allclose(places.extent, [[2, 3, 2], [1, 1, 3]], atol=0.1)
+    assert places[0]["part"] == "model" and list(places.to_pandas())[:3] == ["part", "is_a", "volume"]
+    assert len(rayweave.diff(plate, plate, cells=16).places) == 0
+
+
+PLATE = box([20, 10, 2]) - sphere(3)
+
+LONG_QUERIES = {
+    "measure": lambda progress: rayweave.measure(PLATE, precision=1e-4, progress=progress),
+    "check": lambda progress: rayweave.check({"a": PLATE, "b": sphere(4)}, cells=400, progress=progress),
+    "diff": lambda progress: rayweave.diff(PLATE, box([20, 10, 2.5]), cells=100, progress=progress),
+    "distance": lambda progress: PLATE.distance(np.random.default_rng(0).uniform(-9, 9, (30_000, 3)), progress=progress),
+}
+
+
+@pytest.mark.parametrize("name", LONG_QUERIES)
+def test_long_queries_tell_their_progress(name):
+    seen = []
+    LONG_QUERIES[name](lambda done, total: seen.append((done, total)))
+    assert seen[-1][0] == seen[-1][1] > 0
+    assert all(0 <= done <= total for done, total in seen)
+    # only the total of a measurement is an estimate
+    assert name == "measure" or (len({total for _, total in seen}) == 1 and seen == sorted(seen))
+
+
+@pytest.mark.parametrize("name", LONG_QUERIES)
+def test_an_exception_of_the_progress_ends_a_query(name):
+    def stop(done, total):
+        raise KeyError("enough")
+
+    with pytest.raises(KeyError, match="enough"):
+        LONG_QUERIES[name](stop)
+
+
+def test_progress_is_shown_on_standard_error(capsys):
+    rayweave.measure(sphere(1), progress=True)
+    sphere(1).distance([2, 0, 0], progress=True)
+    assert capsys.readouterr().err.count("100 %") == 2
+    sphere(1).distance([2, 0, 0], progress=False)
+    assert capsys.readouterr().err == ""

@@ -30,6 +30,12 @@ use std::ops::Range;
 /// Cells per task.
 const CELLS_PER_TASK: u64 = 512;
 
+/// The number of tasks of a survey.
+pub(crate) fn task_count(across: u32) -> u64 {
+    let across = u64::from(across.max(1));
+    3 * (across * across).div_ceil(CELLS_PER_TASK)
+}
+
 /// The rays of a survey.
 #[derive(Clone, Debug)]
 pub struct Survey {

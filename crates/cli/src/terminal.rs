@@ -2,6 +2,7 @@
 
 use crate::failure::{Failure, stdout_failure};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rayweave::measure::MeasureProgress;
 use rayweave::scene::Diagnostics;
 use rayweave::table::AtomicFile;
 use std::borrow::Cow;
@@ -161,15 +162,6 @@ pub fn progress_bar(total: Option<u64>, unit: Unit, quiet: bool) -> ProgressBar 
     bar
 }
 
-/// A counter without a total on standard error, visible only on a terminal.
-pub fn counter(what: &str, quiet: bool) -> ProgressBar {
-    let bar = progress_bar(None, Unit::Percent, quiet);
-    if let Ok(style) = ProgressStyle::with_template(&format!("{{spinner}} {{human_pos}} {what}")) {
-        bar.set_style(style);
-    }
-    bar
-}
-
 /// A progress bar of sampling to a relative precision, with the time left and the precision reached.
 pub struct Sampling {
     bar: ProgressBar,
@@ -196,7 +188,8 @@ impl Sampling {
 
     /// Shows the same for one of several pairs that are measured one after the other, given the number of finished pairs and of all.
     pub fn show_pair(&self, rays: u64, precision: f64, [done, pairs]: [usize; 2]) {
-        let part = (done as f64 + part_done(precision, self.goal)) / pairs.max(1) as f64;
+        let part =
+            (done as f64 + MeasureProgress { rays, precision }.part_done(self.goal)) / pairs.max(1) as f64;
         self.bar.set_position((WHOLE * part) as u64);
         let pair = match pairs {
             0 | 1 => String::new(),
@@ -215,9 +208,32 @@ impl Sampling {
     }
 }
 
-/// The part of the rays that have been traced when a precision is reached: half-widths decrease as the power -3/4 of their number.
-fn part_done(precision: f64, goal: f64) -> f64 {
-    libm::pow(goal / precision, 4.0 / 3.0).min(1.0)
+/// A progress bar of searches with rays, with the time left and the number of rays.
+pub struct Searching {
+    bar: ProgressBar,
+}
+
+impl Searching {
+    /// A bar, visible only on a terminal.
+    pub fn new(quiet: bool) -> Searching {
+        let bar = progress_bar(Some(0), Unit::Percent, quiet);
+        if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent} % {eta} left, {msg}") {
+            bar.set_style(style);
+        }
+        Searching { bar }
+    }
+
+    /// Shows the finished part of the planned work, and the number of rays.
+    pub fn show(&self, rays: u64, [done, total]: [u64; 2]) {
+        self.bar.set_length(total);
+        self.bar.set_position(done);
+        self.bar.set_message(format!("{rays} rays"));
+    }
+
+    /// Removes the bar.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
 }
 
 /// Unit of a progress bar.
@@ -287,13 +303,6 @@ pub fn short_point(p: [f64; 3]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn parts_of_a_sampling_run() {
-        assert_eq!((part_done(f64::INFINITY, 1e-3), part_done(1e-4, 1e-3)), (0.0, 1.0));
-        // eight times the precision needs 16 times the rays
-        assert!((part_done(8e-3, 1e-3) - 1.0 / 16.0).abs() < 1e-15);
-    }
 
     #[test]
     fn numbers_are_short() {

@@ -86,7 +86,7 @@ from rayweave._core import (
     union,
     empty,
 )
-from rayweave._diff import Diff, diff
+from rayweave._diff import Diff, DiffPlaces, diff
 from rayweave._distance import Distances
 from rayweave._drawing import Drawing
 from rayweave._explain import Entry, Operand, Passage, Question
@@ -133,6 +133,7 @@ __all__ = [
     "Check",
     "Crossings",
     "Diff",
+    "DiffPlaces",
     "Distances",
     "Drawing",
     "Entry",

@@ -14,6 +14,7 @@ from rayweave import _core
 from rayweave._box import Box, corners
 from rayweave._core import Section
 from rayweave._model import Subject
+from rayweave._progress import Progress, callback
 from rayweave._table import Rows, Tabular
 from rayweave._whole import whole
 from rayweave._words import suggesting
@@ -149,6 +150,7 @@ def check(
     seed: int = 0,
     pictures: bool = False,
     threads: int | None = None,
+    progress: Progress = None,
 ) -> Check:
     """Look for overlaps, daughters outside their mothers, gaps, thin walls, and parts without effect.
 
@@ -174,6 +176,8 @@ def check(
         (2, 3) the corners of a box: only the part of the model within it is examined.
     pictures
         Whether each finding has a `section`.
+    progress
+        True shows the progress on standard error; a function is called with the rays of the finished searches and of all planned searches.
 
     Examples
     --------
@@ -193,6 +197,7 @@ def check(
         whole(seed, "seed"),
         pictures,
         threads,
+        callback(progress),
     )
     return Check(tuple(_finding(row) for row in rows), unit, scope)
 

@@ -15,6 +15,7 @@ from rayweave._explain import Passage, Question
 from rayweave._mesh import Mesh
 from rayweave._model import Media, Medium, Region, Regions, Subject
 from rayweave._picture import Camera
+from rayweave._progress import Progress
 from rayweave.photons._compare import CompareRow
 from rayweave.space import PointCrossings, Trajectory
 
@@ -144,6 +145,7 @@ def check_rows(
     seed: int,
     pictures: bool,
     threads: int | None,
+    progress: Callable[[int, int], object] | None = None,
 ) -> tuple[list[CheckRow], str, dict[str, float]]:
     """Probable faults of a model, with the unit and the scope of the check: see `rayweave.check`."""
 
@@ -169,7 +171,8 @@ def diff_columns(
     within: Sequence[Sequence[float]] | None,
     seed: int,
     threads: int | None,
-) -> tuple[list[str], list[NDArray[np.bool_]], NDArray[np.float64], tuple[bool, str, float, int], Section]:
+    progress: Callable[[int, int], object] | None = None,
+) -> tuple[list[str], list[NDArray[np.bool_]], NDArray[np.float64], tuple[bool, str, float, int], Section, tuple[NDArray[np.int64], NDArray[np.bool_], NDArray[np.float64]]]:
     """Common and different parts of two models: see `rayweave.diff`."""
 
 class RayweaveError(ValueError):
@@ -278,6 +281,7 @@ def measure_columns(
     seed: int,
     evaluator: str | None,
     threads: int | None,
+    progress: Callable[[int, int], object] | None = None,
 ) -> tuple[list[str], list[str], tuple[NDArray[np.uint64], NDArray[np.bool_]], list[NDArray[np.float64]], NDArray[np.float64]]:
     """Volume, area, mass and moments of the regions of a solid or a model: see `rayweave.measure`."""
 
@@ -473,6 +477,7 @@ class Model:
         regions: str | Sequence[str] | None = None,
         precision: float = 1e-9,
         threads: int | None = None,
+        progress: Progress = None,
     ) -> Distances:
         """Signed distances of points from the surface between the medium of the world and all others: see `Solid.distance`.
         `regions` is the name of a region, or several names: the distances are then those from the space that belongs to these
@@ -1771,11 +1776,17 @@ class Solid:
         """
 
     def distance(
-        self, points: ArrayLike, *, precision: float = 1e-9, threads: int | None = None
+        self,
+        points: ArrayLike,
+        *,
+        precision: float = 1e-9,
+        threads: int | None = None,
+        progress: Progress = None,
     ) -> Distances:
         """Signed distances of points (N, 3), (3,) or of a grid (..., 3) from the surface, and the nearest points on it, with bounds: see
         `Distances`. Distances are negative inside. One whose bounds differ by at most `precision` times the distance (or by
-        rounding) counts as exact.
+        rounding) counts as exact. `progress=True` shows the progress on standard error; a function is called with the numbers of
+        finished and of all points.
 
         >>> import rayweave as rw
         >>> found = (rw.box(2) - rw.sphere(0.5)).distance([[3, 2, 0], [0, 0, 0.8]])

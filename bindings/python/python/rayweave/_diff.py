@@ -12,12 +12,48 @@ from rayweave import _core
 from rayweave._box import Box, corners
 from rayweave._core import Section
 from rayweave._model import Subject
+from rayweave._progress import Progress, callback
 from rayweave._table import Table
 from rayweave._whole import whole
 from rayweave._words import suggesting
 
 _Array = NDArray[np.float64]
 _Truths = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DiffPlaces(Table):
+    """The M connected places where two models differ by more than `distance`, part by part, the largest volume first.
+
+    A part with so many places that rays cannot tell which are connected has none here.
+
+    >>> import rayweave as rw
+    >>> plate = rw.box([10, 10, 1])
+    >>> places = rw.diff(plate, plate - rw.cylinder(1, 2).translate([3, 0, 0]) - rw.box([2, 1, 4]), cells=32).places
+    >>> places.is_a.tolist(), places.volume.round().tolist()
+    ([True, True], [3.0, 2.0])
+    >>> places.extent.round(2).tolist()
+    [[2.0, 2.0, 1.0], [2.0, 1.0, 1.0]]
+    """
+
+    _columns: ClassVar[tuple[str, ...]] = ("part", "is_a", "volume", "centre", "extent")
+
+    part: NDArray[Any]
+    """(M,) the name of the part: one of `Diff.names`."""
+    is_a: _Truths
+    """(M,) whether the place belongs to the first model, otherwise to the second."""
+    volume: _Array
+    """(M,) estimates of the volumes from a grid of rays."""
+    centre: _Array
+    """(M, 3) estimates of the centres of volume."""
+    bounds: _Array
+    """(M, 2, 3) the corners of boxes around the parts of rays in the places."""
+
+    @property
+    def extent(self) -> _Array:
+        """(M, 3) the sizes of these boxes."""
+        size: _Array = self.bounds[:, 1] - self.bounds[:, 0]
+        return size
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -74,6 +110,8 @@ class Diff(Table):
     """The number of rays that were traced."""
     section: Section
     """A section through the part with the thickest difference: "both", "A only", "B only"."""
+    places: DiffPlaces
+    """The connected places of the differences."""
 
     def _column(self, name: str) -> NDArray[Any]:
         column = getattr(self, name)
@@ -108,6 +146,7 @@ def diff(
     within: Box | None = None,
     seed: int = 0,
     threads: int | None = None,
+    progress: Progress = None,
 ) -> Diff:
     """Compare two models: whether they are the same solid and, if not, where and by how much they differ.
 
@@ -115,7 +154,8 @@ def diff(
     the whole models; by default whole models if one of them has a single region, otherwise regions. Differences up to
     `distance` (default: 1e-9 of the diagonal) are ignored. Each part is tested with 6 `cells`^2 rays; volumes are
     measured until half the width of their interval is `precision` times the volume, with at most `most_rays` rays
-    (default: 2^20, or fewer if they would reach more than 2^24 shapes). Equal seeds give equal results.
+    (default: 2^20, or fewer if they would reach more than 2^24 shapes). Equal seeds give equal results. `progress=True` shows
+    the progress on standard error; a function is called with the finished thousandths and 1000.
 
     >>> import rayweave as rw
     >>> rw.diff(rw.box(2), rw.box([2, 2, 2]), cells=16).is_same
@@ -123,7 +163,7 @@ def diff(
     >>> rw.diff(rw.box(2), rw.sphere(1), cells=16).is_same
     False
     """
-    names, truths, numbers, (is_same, unit, limit, rays), section = _core.diff_columns(
+    names, truths, numbers, (is_same, unit, limit, rays), section, (owner, in_first, sizes) = _core.diff_columns(
         a,
         b,
         by,
@@ -135,6 +175,7 @@ def diff(
         corners(within),
         whole(seed, "seed"),
         threads,
+        callback(progress),
     )
     same, proved, in_a, in_b, is_a = truths
     count = len(names)
@@ -160,4 +201,11 @@ def diff(
         unit,
         rays,
         section,
+        DiffPlaces(
+            np.array(names, dtype=object)[owner],
+            in_first,
+            np.ascontiguousarray(sizes[:, 0]),
+            np.ascontiguousarray(sizes[:, 1:4]),
+            np.ascontiguousarray(sizes[:, 4:]).reshape(len(sizes), 2, 3),
+        ),
     )

@@ -12,6 +12,7 @@ from rayweave import _core
 from rayweave._box import Box, corners
 from rayweave._core import Solid
 from rayweave._model import Subject
+from rayweave._progress import Progress, callback
 from rayweave._table import Table
 from rayweave._whole import whole
 from rayweave._words import suggesting
@@ -87,6 +88,7 @@ def measure(
     seed: int = 0,
     evaluator: str | None = None,
     threads: int | None = None,
+    progress: Progress = None,
 ) -> Measurement:
     """Measure the regions of a model, a solid, or several solids, by stratified rays.
 
@@ -94,7 +96,8 @@ def measure(
     volume, or until `most_rays` rays have been traced. `most_rays` counts the rays of each region, in a model of more than 32
     regions those of all regions together; its default is 2^24, or fewer in models where many shapes overlap, so that rays reach at
     most 2^24 shapes. Parts of a region that later regions cover do not count. `within` (2, 3), the corners of a box, restricts the
-    measurement to the box. Equal seeds give equal results, regardless of the number of threads.
+    measurement to the box. Equal seeds give equal results, regardless of the number of threads. `progress=True` shows the progress on
+    standard error; a function is called with the number of rays so far and an estimate of the total.
 
     >>> import rayweave as rw
     >>> found = rw.measure({"ball": rw.sphere(1)})
@@ -110,6 +113,7 @@ def measure(
         whole(seed, "seed"),
         evaluator,
         threads,
+        callback(progress),
     )
     count = len(regions)
     return Measurement(

@@ -57,7 +57,7 @@ mod work_tests;
 pub(crate) use connected::{ConnectedPart, connected_parts};
 pub use finding::{Finding, FindingKind};
 pub use hierarchy::Hierarchy;
-pub use report::{CheckReport, Scope};
+pub use report::{CheckProgress, CheckReport, Scope};
 pub use section::finding_section;
 pub use settings::CheckSettings;
 pub use share::CheckShare;
@@ -77,8 +77,8 @@ use std::sync::Arc;
 use subject::Subject;
 
 /// Checks the regions of a scene. `hierarchy` contains mothers and daughters, if the model has any
-/// ([`Hierarchy::of`]). `make` creates the evaluator of a program; `progress` receives the number of rays so
-/// far.
+/// ([`Hierarchy::of`]). `make` creates the evaluator of a program; `progress` receives the number of
+/// rays so far and the part of the work that is finished.
 ///
 /// # Errors
 ///
@@ -89,7 +89,7 @@ pub fn check<E: Evaluator, X: Classified + Send + Sync + 'static>(
     hierarchy: Option<&Hierarchy>,
     make: impl Fn(Arc<Program>) -> Result<E, X>,
     settings: &CheckSettings,
-    progress: &mut dyn FnMut(u64),
+    progress: &mut dyn FnMut(CheckProgress),
 ) -> Result<CheckReport, AnalysisError> {
     let model = Model::new(scene, settings)?;
     let make = maker(make);
@@ -109,14 +109,15 @@ pub fn check_share<E: Evaluator, X: Classified + Send + Sync + 'static>(
     make: impl Fn(Arc<Program>) -> Result<E, X>,
     settings: &CheckSettings,
     range: Range<u64>,
-    progress: &mut dyn FnMut(u64),
+    progress: &mut dyn FnMut(CheckProgress),
 ) -> Result<(CheckShare, u64), AnalysisError> {
     let model = Model::new(scene, settings)?;
     let make = maker(make);
     let mut probe = Probe::new(&make, settings, model.frame, progress);
-    probe.work = Work::Range(range.clone(), CheckShare::default());
+    probe.plan_range(&range);
     pairs::search(&model.subject(hierarchy), &mut probe)?;
     operands::findings(&model.written, &mut probe)?;
+    probe.finish();
     let total = probe.next_search;
     if range.end > total {
         let message = Message::new(
@@ -142,7 +143,7 @@ pub fn check_with<E: Evaluator, X: Classified + Send + Sync + 'static>(
     make: impl Fn(Arc<Program>) -> Result<E, X>,
     settings: &CheckSettings,
     share: &CheckShare,
-    progress: &mut dyn FnMut(u64),
+    progress: &mut dyn FnMut(CheckProgress),
 ) -> Result<CheckReport, AnalysisError> {
     let model = Model::new(scene, settings)?;
     let make = maker(make);
@@ -219,6 +220,8 @@ fn report<E: Evaluator>(
 ) -> Result<CheckReport, AnalysisError> {
     probe.scope.has_hierarchy = hierarchy.is_some();
     let subject = model.subject(hierarchy);
+    probe.plan(pieces::planned_rays(&subject, &model.program, probe));
+    probe.plan(operands::planned_rays(&model.written, probe.settings)?);
     let known = pairs::intersecting(&subject, probe)?;
     let outside = pairs::outside(&subject, probe)?;
     let pieces = pieces::findings(&subject, model.program.clone(), &known, probe)?;
@@ -227,6 +230,7 @@ fn report<E: Evaluator>(
     findings.extend(pieces);
     findings.extend(operands::findings(&model.written, probe)?);
     findings.sort_by_key(|finding| finding.kind);
+    probe.finish();
     Ok(CheckReport { unit: scene.unit, findings, scope: probe.scope.clone() })
 }
 

@@ -2,7 +2,7 @@
 
 use super::probe::{FEW, Probe, leaves_of, rays_of};
 use super::share::Outcome;
-use super::{Finding, FindingKind};
+use super::{CheckSettings, Finding, FindingKind};
 use crate::AnalysisError;
 use rayweave_math::{Affine, Bounds};
 use rayweave_model::{Evaluator, Node, Program, Region, Solid};
@@ -19,54 +19,79 @@ pub fn findings<E: Evaluator>(
     regions: &[Region],
     probe: &mut Probe<'_, E>,
 ) -> Result<Vec<Finding>, AnalysisError> {
-    let mut search = Search { region: "", met: HashSet::new(), found: Vec::new(), probe };
+    let mut search = Search { region: "", found: Vec::new(), probe };
+    // the addresses of the visited nodes, which solids may share
+    let mut met = HashSet::new();
     for region in regions {
         search.region = &region.name;
-        search.solid(&region.solid)?;
+        walk(&region.solid, &mut met, &mut |node, map| search.node(node, map))?;
     }
     Ok(search.found)
 }
 
+/// The number of rays of the searches in operands; those that the budget leaves out count, too.
+pub fn planned_rays(regions: &[Region], settings: &CheckSettings) -> Result<u64, AnalysisError> {
+    let (mut met, mut count) = (HashSet::new(), 0);
+    for region in regions {
+        walk(&region.solid, &mut met, &mut |node, _| {
+            count += match node {
+                Node::Union(all) if all.len() > 1 => all.len(),
+                Node::Intersection(all) if (2..=MAX_INTERSECTED).contains(&all.len()) => all.len(),
+                Node::Difference(_, b) => united(b).len(),
+                _ => 0,
+            };
+            Ok(())
+        })?;
+    }
+    Ok(count.min(settings.most_pairs) as u64 * rays_of(2 * FEW))
+}
+
+/// Calls `visit` with each mesh and each operator of a solid that is not in `met` yet.
+fn walk(
+    solid: &Solid,
+    met: &mut HashSet<*const Node>,
+    visit: &mut dyn FnMut(&Node, &Affine) -> Result<(), AnalysisError>,
+) -> Result<(), AnalysisError> {
+    let mut waiting = vec![(solid.clone(), Affine::IDENTITY)];
+    while let Some((solid, map)) = waiting.pop() {
+        if !met.insert(solid.node()) {
+            continue;
+        }
+        match solid.node() {
+            Node::Named(name, _) if is_outline_part(name) => {}
+            // one shape: its operators are not those of the model file
+            _ if solid.boundary().is_some() => {}
+            Node::Transformed(own, inner) => waiting.push((inner.clone(), own.get().then(&map))),
+            Node::Placed(inner, maps) => {
+                // one copy represents all
+                waiting.extend(maps.first().map(|own| (inner.clone(), own.then(&map))));
+            }
+            node => {
+                visit(node, &map)?;
+                let operands: Vec<Solid> = match node {
+                    Node::Difference(a, b) => vec![a.clone(), b.clone()],
+                    node => node.operands().to_vec(),
+                };
+                waiting.extend(operands.into_iter().rev().map(|operand| (operand, map)));
+            }
+        }
+    }
+    Ok(())
+}
+
 struct Search<'a, 'p, E> {
     region: &'a str,
-    /// The addresses of the visited nodes, which solids may share.
-    met: HashSet<*const Node>,
     found: Vec<Finding>,
     probe: &'a mut Probe<'p, E>,
 }
 
 impl<'a, E: Evaluator> Search<'a, '_, E> {
-    fn solid(&mut self, solid: &Solid) -> Result<(), AnalysisError> {
-        let mut waiting = vec![(solid.clone(), Affine::IDENTITY)];
-        while let Some((solid, map)) = waiting.pop() {
-            if !self.met.insert(solid.node()) {
-                continue;
-            }
-            match solid.node() {
-                Node::Named(name, _) if is_outline_part(name) => {}
-                // one shape: its operators are not those of the model file
-                _ if solid.boundary().is_some() => {}
-                Node::Primitive(Primitive::Mesh(mesh)) => self.mesh(mesh),
-                Node::Transformed(own, inner) => waiting.push((inner.clone(), own.get().then(&map))),
-                Node::Placed(inner, maps) => {
-                    // one copy represents all
-                    waiting.extend(maps.first().map(|own| (inner.clone(), own.then(&map))));
-                }
-                node => {
-                    self.operator(node, &map)?;
-                    let operands: Vec<Solid> = match node {
-                        Node::Difference(a, b) => vec![a.clone(), b.clone()],
-                        node => node.operands().to_vec(),
-                    };
-                    waiting.extend(operands.into_iter().rev().map(|operand| (operand, map)));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn operator(&mut self, node: &Node, map: &Affine) -> Result<(), AnalysisError> {
+    fn node(&mut self, node: &Node, map: &Affine) -> Result<(), AnalysisError> {
         match node {
+            Node::Primitive(Primitive::Mesh(mesh)) => {
+                self.mesh(mesh);
+                Ok(())
+            }
             Node::Union(all) => self.union(all, map),
             Node::Intersection(all) => self.intersection(all, map),
             Node::Difference(a, b) => {
@@ -98,6 +123,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
             let others = row.around(&boxes, k);
             // no other operand can contain any part of a shape alone in its box
             if others.is_empty() && sizes[k] == 1 && !boxes[k].is_empty() {
+                self.probe.begin(rays_of(2 * FEW));
                 self.probe.scope.operands += 1;
                 continue;
             }
@@ -141,6 +167,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         map: &Affine,
         what: &str,
     ) -> Result<(), AnalysisError> {
+        self.probe.begin(rays_of(2 * FEW));
         // the half-spaces of an outline are not operands of the model file
         if matches!(own.node(), Node::Named(name, _) if is_outline_part(name)) {
             return Ok(());

@@ -80,10 +80,12 @@ fn common<E: Evaluator>(
         probe.in_pairs.affords(rays_of(FEW), leaves[0].saturating_add(leaves[1]))
     });
     count(subject, parts, &met, probe);
+    probe.plan(met.pairs.len() as u64 * rays_of(FEW));
     let mut found: BTreeMap<(usize, usize), Common> = BTreeMap::new();
     for (k, j, bounds) in met.pairs {
         let (first, second) = (&parts[k], &parts[j]);
         let both = &first.solid & &second.solid;
+        probe.begin(rays_of(FEW));
         let met = probe.independent(|probe| Ok(probe.is_there(&both, &bounds, FEW)?.into()))?;
         let Outcome::Found(deepest) = met else { continue };
         let pair = (first.region.min(second.region), first.region.max(second.region));

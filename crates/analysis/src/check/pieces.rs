@@ -159,6 +159,13 @@ fn rounding(frame: &Bounds) -> f64 {
     delta_of(2.0 * far + 3.0 * diagonal)
 }
 
+/// The number of rays through the whole model and through the box of each region.
+pub fn planned_rays<E: Evaluator>(subject: &Subject<'_>, program: &Program, probe: &Probe<'_, E>) -> u64 {
+    let cells = Cells::new(program, &probe.frame, &subject.boxes, probe.settings.across);
+    let boxes = if cells.in_box > 0 { subject.boxes.len() as u64 } else { 0 };
+    rays_of(cells.in_frame) + boxes * rays_of(cells.in_box)
+}
+
 /// Findings of rays through the whole model and through the box of each region.
 pub fn findings<E: Evaluator>(
     subject: &Subject<'_>,
@@ -177,8 +184,7 @@ pub fn findings<E: Evaluator>(
             }
             _ => false,
         };
-    let mut seen = Seen::default();
-    let frame = probe.frame;
+    let (mut seen, frame) = (Seen::default(), probe.frame);
     let cells = Cells::new(evaluator.program(), &frame, &subject.boxes, probe.settings.across);
     (probe.scope.cells, probe.scope.cells_in_regions) = (cells.in_frame, cells.in_box);
     probe.scope.reached = cells.reached;
@@ -195,6 +201,7 @@ pub fn findings<E: Evaluator>(
             seen.piece(piece, limits, &is_mother);
             seen.hits.add(piece, &grid, evaluator.program());
         };
+        probe.begin(rays_of(across));
         probe.survey(&evaluator, bounds, across, visit, |some: Seen| seen.add(some, number == 0))?;
         let hits = std::mem::take(&mut seen.hits);
         // each box may use what the ones before have left

@@ -1,14 +1,16 @@
 //! Ray sampling of a box for the checks.
 
-use super::share::{Outcome, Thickest, Work};
+use super::report::CheckProgress;
+use super::share::{CheckShare, Outcome, Thickest, Work};
 use super::{CheckSettings, Scope};
 use crate::AnalysisError;
 use crate::error::Make;
 use crate::measure::{Estimate, MeasureSettings, MeasuredChord, measure};
 use crate::subject::clipped;
-use crate::survey::{Across, Faces, Piece, Survey, survey, thickness_at_middle};
+use crate::survey::{Across, Faces, Piece, Survey, survey, task_count, thickness_at_middle};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Program, Region, RegionId, Solid, expanded_size};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The maximum number of pieces per search that are measured again, the thickest first.
@@ -85,7 +87,11 @@ pub struct Probe<'a, E> {
     /// The sampled box.
     pub frame: Bounds,
     pub scope: Scope,
-    progress: &'a mut dyn FnMut(u64),
+    progress: &'a mut dyn FnMut(CheckProgress),
+    /// The work of all searches, of those that are finished with the rays of the one that runs, and of all up to that one.
+    planned: u64,
+    done: u64,
+    end: u64,
     searches: u64,
     /// The independent searches, by number: those that run here, and the results of the others.
     pub work: Work<'a>,
@@ -112,7 +118,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         make: &'a Make<'a, E>,
         settings: &'a CheckSettings,
         frame: Bounds,
-        progress: &'a mut dyn FnMut(u64),
+        progress: &'a mut dyn FnMut(CheckProgress),
     ) -> Probe<'a, E> {
         let diagonal = if frame.is_empty() { 0.0 } else { frame.size().length() };
         let or = |length: Option<f64>, part: f64| length.unwrap_or(part * diagonal);
@@ -129,6 +135,9 @@ impl<'a, E: Evaluator> Probe<'a, E> {
             frame,
             scope,
             progress,
+            planned: 0,
+            done: 0,
+            end: 0,
             searches: 0,
             work,
             next_search: 0,
@@ -142,6 +151,39 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         }
     }
 
+    /// Adds searches with this many rays to the planned work. Those of a range count one each: see [`plan_range`](Self::plan_range).
+    pub fn plan(&mut self, rays: u64) {
+        if !matches!(self.work, Work::Range(..)) {
+            self.planned += rays;
+        }
+    }
+
+    /// Runs the independent searches of a range only.
+    pub fn plan_range(&mut self, range: &Range<u64>) {
+        self.planned = range.end.saturating_sub(range.start);
+        self.work = Work::Range(range.clone(), CheckShare::default());
+    }
+
+    /// Begins a planned search with this many rays; all searches before it are finished.
+    pub fn begin(&mut self, rays: u64) {
+        if !matches!(self.work, Work::Range(..)) {
+            self.advance(rays);
+        }
+    }
+
+    /// Reports that all searches are finished.
+    pub fn finish(&mut self) {
+        self.end = self.planned;
+        self.advance(0);
+    }
+
+    fn advance(&mut self, work: u64) {
+        self.done = self.end;
+        self.end += work;
+        let (rays, done, total) = (self.scope.rays, self.done.min(self.planned), self.planned);
+        (self.progress)(CheckProgress { rays, done, total });
+    }
+
     /// Runs an independent search, which calls [`survey`](Self::survey) at most once, or takes its result from elsewhere. Its random
     /// numbers depend on its number only.
     pub fn independent(
@@ -152,6 +194,10 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         self.next_search += 1;
         let outcome = match &self.work {
             Work::Range(range, _) if !range.contains(&number) => return Ok(Outcome::Nothing),
+            Work::Range(..) => {
+                self.advance(1);
+                None
+            }
             Work::Known(share) => share.get(number),
             _ => None,
         };
@@ -177,7 +223,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         bounds: &Bounds,
         across: u32,
         visit: impl Fn(&mut T, &Piece<'_>) + Sync,
-        merge: impl FnMut(T),
+        mut merge: impl FnMut(T),
     ) -> Result<(), AnalysisError> {
         let bounds = if bounds.is_finite() { *bounds } else { bounds.intersection(&self.frame) };
         if bounds.is_empty() {
@@ -192,8 +238,18 @@ impl<'a, E: Evaluator> Probe<'a, E> {
             threads: self.settings.threads,
             cancel: self.settings.cancel.clone(),
         };
-        self.scope.rays += survey(evaluator, &survey_settings, visit, merge)?;
-        (self.progress)(self.scope.rays);
+        let Probe { progress, done, end, planned, scope, .. } = self;
+        let (before, all, tasks) = (scope.rays, rays_of(across), task_count(across));
+        let mut merged = 0;
+        let merge = |found| {
+            merge(found);
+            let rays = all * merged / tasks;
+            merged += 1;
+            let rays_now = all * merged / tasks;
+            *done = (*done + rays_now - rays).min(*end).min(*planned);
+            progress(CheckProgress { rays: before + rays_now, done: *done, total: *planned });
+        };
+        scope.rays += survey(evaluator, &survey_settings, visit, merge)?;
         Ok(())
     }
 

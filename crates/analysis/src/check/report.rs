@@ -68,3 +68,15 @@ impl CheckReport {
         self.findings.iter().filter(move |finding| finding.kind == kind)
     }
 }
+
+/// The progress of a check.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CheckProgress {
+    /// The number of rays so far, those of volumes and of other follow-up searches included.
+    pub rays: u64,
+    /// The finished work: for [`check`](super::check()), rays of planned searches; for
+    /// [`check_share`](super::check_share), searches.
+    pub done: u64,
+    /// The planned work.
+    pub total: u64,
+}

@@ -395,3 +395,27 @@ fn thicknesses_of_curved_walls_are_exact() {
         assert!(checked(&text, &limited(0.999 * thickness)).of(FindingKind::Thin).next().is_none());
     }
 }
+
+/// The total is that of the rays through the model and through the box of each region, of each pair and of each operand; the numbers of
+/// rays are those of the report.
+#[test]
+fn progress_has_a_total() {
+    let text = boxes(&[("a", [0.0; 3], [2.0; 3]), ("b", [1.75, 0.5, 0.5], [3.0, 1.5, 1.5])])
+        + "[solid.c]\nexpr = 'd - e'\n[solid.d]\nbox = { size = 1 }\ntransform = [{ translate = [9, 0, 0] }]\n\
+           [solid.e]\nsphere = { radius = 0.2 }\ntransform = [{ translate = [9, 0, 0] }]\n[[region]]\nsolid = \"c\"\n";
+    let (scene, mut seen) = (scene(&text), Vec::new());
+    let mut progress = |now: CheckProgress| seen.push(now);
+    let report = check(&scene, None, AnyEvaluator::maker(None), &quick(), &mut progress).unwrap();
+    // one pair with 6 * 10^2 rays, one operand with 6 * 20^2, four boxes with those of the scope
+    let cells = [report.scope.cells, report.scope.cells_in_regions].map(|n| 6 * u64::from(n).pow(2));
+    let (total, rays) = (600 + 2400 + cells[0] + 3 * cells[1], report.scope.rays);
+    assert!(seen.len() > 10 && seen.iter().all(|now| now.total == total && now.done <= total), "{seen:?}");
+    assert!(seen.is_sorted_by_key(|now| now.done) && seen.is_sorted_by_key(|now| now.rays), "{seen:?}");
+    assert_eq!(seen.last(), Some(&CheckProgress { rays, done: total, total }));
+
+    let mut seen = Vec::new();
+    let mut progress = |now: CheckProgress| seen.push((now.done, now.total));
+    let (_, all) =
+        check_share(&scene, None, AnyEvaluator::maker(None), &quick(), 1..2, &mut progress).unwrap();
+    assert_eq!((all, seen.first(), seen.last()), (2, Some(&(0, 1)), Some(&(1, 1))));
+}

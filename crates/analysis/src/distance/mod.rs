@@ -120,11 +120,13 @@ impl Distance {
 
 /// The options of a run.
 #[derive(Default)]
-pub struct DistanceRun {
+pub struct DistanceRun<'a> {
     /// The number of threads; by default that of [`thread_count`]. Results do not depend on it.
     pub threads: Option<NonZeroUsize>,
     /// Cancels the run.
     pub cancel: Cancel,
+    /// Callback with the number of finished points, on the calling thread.
+    pub progress: Option<&'a mut dyn FnMut(usize)>,
 }
 
 impl DistanceField {
@@ -213,7 +215,11 @@ impl DistanceField {
     ///
     /// # Errors
     /// [`AnalysisError::Point`] for a point whose coordinates are not finite, and [`AnalysisError::Cancelled`].
-    pub fn distances(&self, points: &[Vec3], run: &DistanceRun) -> Result<Vec<Distance>, AnalysisError> {
+    pub fn distances(
+        &self,
+        points: &[Vec3],
+        run: &mut DistanceRun<'_>,
+    ) -> Result<Vec<Distance>, AnalysisError> {
         BadPoint::check(points.iter().copied())?;
         let tasks = (0..points.len())
             .step_by(POINTS_PER_TASK)
@@ -222,8 +228,12 @@ impl DistanceField {
             points[range].iter().map(|&point| self.distance(point)).collect()
         };
         let mut answers = Vec::with_capacity(points.len());
+        let progress = &mut run.progress;
         let merge = |found: Vec<Distance>| {
             answers.extend(found);
+            if let Some(progress) = progress {
+                progress(answers.len());
+            }
             Ok::<(), Infallible>(())
         };
         drive(thread_count(run.threads), &run.cancel, tasks, || (), work, merge).map_err(|stopped| {

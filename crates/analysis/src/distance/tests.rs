@@ -360,11 +360,18 @@ fn bounds_without_effort() {
     let hasty =
         DistanceField::new(&program, DistanceSettings { most_cells: 20, ..DistanceSettings::default() })
             .unwrap();
-    let one = DistanceRun { threads: NonZeroUsize::new(1), ..DistanceRun::default() };
-    let three = DistanceRun { threads: NonZeroUsize::new(3), ..DistanceRun::default() };
-    let found = full.distances(&points, &one).unwrap();
-    assert_eq!(found, full.distances(&points, &three).unwrap());
-    let hasty = hasty.distances(&points, &one).unwrap();
+    let mut one = DistanceRun { threads: NonZeroUsize::new(1), ..DistanceRun::default() };
+    let mut seen = Vec::new();
+    let mut progress = |done: usize| seen.push(done);
+    let mut three = DistanceRun {
+        threads: NonZeroUsize::new(3),
+        progress: Some(&mut progress),
+        ..DistanceRun::default()
+    };
+    let found = full.distances(&points, &mut one).unwrap();
+    assert_eq!(found, full.distances(&points, &mut three).unwrap());
+    assert!(seen.is_sorted() && seen.last() == Some(&points.len()), "{seen:?}");
+    let hasty = hasty.distances(&points, &mut one).unwrap();
     for (full, hasty) in found.iter().zip(&hasty) {
         // nearly tangent surfaces may leave a gap
         assert!(full.upper - full.lower <= 1e-6 * full.upper, "{full:?}");
@@ -374,10 +381,11 @@ fn bounds_without_effort() {
     assert!(hasty.iter().any(|answer| !answer.is_exact));
     let cancel = Cancel::new();
     cancel.cancel();
-    let cancelled = full.distances(&points, &DistanceRun { cancel, ..DistanceRun::default() }).unwrap_err();
+    let cancelled =
+        full.distances(&points, &mut DistanceRun { cancel, ..DistanceRun::default() }).unwrap_err();
     assert!(matches!(cancelled, AnalysisError::Cancelled(_)), "{cancelled}");
     let mut bad = points.clone();
     bad[3].y = f64::NAN;
-    let error = full.distances(&bad, &one).unwrap_err().to_string();
+    let error = full.distances(&bad, &mut one).unwrap_err().to_string();
     assert!(error.starts_with("point 3 is [") && error.contains("must be finite"), "{error}");
 }

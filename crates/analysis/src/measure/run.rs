@@ -116,6 +116,14 @@ pub struct MeasureProgress {
     pub precision: f64,
 }
 
+impl MeasureProgress {
+    /// The part of the rays that have been traced when the precision is reached, for a goal: half-widths decrease as the power -3/4 of
+    /// their number.
+    pub fn part_done(&self, goal: f64) -> f64 {
+        libm::pow(goal / self.precision, 4.0 / 3.0).min(1.0)
+    }
+}
+
 /// Like [`measure`]; `progress` receives the precision reached as well.
 ///
 /// # Errors

@@ -332,3 +332,11 @@ fn few_rays_pass_along_a_row_of_fins() {
     );
     assert!(rays > 15_000, "{rays}");
 }
+
+#[test]
+fn the_part_of_a_measurement_that_is_done() {
+    let now = |precision: f64| MeasureProgress { rays: 1, precision };
+    assert_eq!((now(f64::INFINITY).part_done(1e-3), now(1e-4).part_done(1e-3)), (0.0, 1.0));
+    // eight times the precision needs 16 times the rays
+    assert!((now(8e-3).part_done(1e-3) - 1.0 / 16.0).abs() < 1e-15);
+}

@@ -4,12 +4,12 @@ use super::photon_tables::SurfaceTableArguments;
 use crate::arguments::{
     GlobalArguments, ModelArguments, OnlyArguments, PartArguments, WithinArguments, debug_hash,
 };
-use crate::failure::Failure;
+use crate::failure::{Failure, unreadable};
 use crate::{drawing, interrupt, interval, terminal};
 use clap::Args;
 use rayweave::check::{
-    CheckReport, CheckSettings, CheckShare, Finding, FindingKind, Hierarchy, check_share, check_with,
-    finding_section,
+    CheckProgress, CheckReport, CheckSettings, CheckShare, Finding, FindingKind, Hierarchy, check_share,
+    check_with, finding_section,
 };
 use rayweave::photon::lint;
 use rayweave::scene::Scene;
@@ -341,10 +341,11 @@ impl Searches<'_> {
             }
             None => CheckShare::default(),
         };
-        let bar = terminal::counter("rays", global.quiet);
-        let (make, mut progress) = (AnyEvaluator::maker(None), |rays| bar.set_position(rays));
+        let bar = terminal::Searching::new(global.quiet);
+        let make = AnyEvaluator::maker(None);
+        let mut progress = |now: CheckProgress| bar.show(now.rays, [now.done, now.total]);
         let report = check_with(self.scene, self.hierarchy, make, self.settings, &known, &mut progress);
-        bar.finish_and_clear();
+        bar.finish();
         Ok(report?)
     }
 
@@ -359,11 +360,12 @@ impl Searches<'_> {
         if self.check.part.is_done([(out.as_path(), &part)].into_iter(), global.quiet) {
             return Ok(());
         }
-        let bar = terminal::counter("rays", global.quiet);
-        let (make, mut progress) = (AnyEvaluator::maker(None), |rays| bar.set_position(rays));
+        let bar = terminal::Searching::new(global.quiet);
+        let make = AnyEvaluator::maker(None);
+        let mut progress = |now: CheckProgress| bar.show(now.rays, [now.done, now.total]);
         let share =
             check_share(self.scene, self.hierarchy, make, self.settings, range.clone(), &mut progress);
-        bar.finish_and_clear();
+        bar.finish();
         let (share, total) = share?;
         self.part(range.clone(), total).write(out, share.to_text().as_bytes())?;
         match global.quiet {
@@ -388,8 +390,7 @@ impl Searches<'_> {
 
 /// Reads a file of results of searches.
 pub fn read_check_share(path: &Path) -> Result<CheckShare, Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::Input(format!("cannot read {}: {error}.", path.display())))?;
+    let text = std::fs::read_to_string(path).map_err(|error| unreadable(path, &error))?;
     CheckShare::from_text(&text)
         .ok_or_else(|| Failure::Input(format!("{} has no results of searches.", path.display())))
 }

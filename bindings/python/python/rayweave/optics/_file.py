@@ -8,9 +8,10 @@ from os import PathLike
 from typing import Any
 
 from rayweave import _core
+from rayweave._progress import Progress
 from rayweave.optics._elements import Element
 from rayweave.optics._sources import Source
-from rayweave.optics._stream import Progress, Stream
+from rayweave.optics._stream import Stream
 from rayweave.optics._system import Balance, System, Trace
 
 

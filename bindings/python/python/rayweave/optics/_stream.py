@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,14 +11,12 @@ from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave._files import AtomicFile
+from rayweave._progress import Progress, reporter
 from rayweave.optics._given import package, whole
 
 if TYPE_CHECKING:
     from rayweave.optics._sources import Source
     from rayweave.optics._system import Balance, System, Trace
-
-#: Called with the number of finished rays and the total; True draws a bar on standard error.
-Progress = Callable[[int, int], object] | bool | None
 
 _NAMED = ("element", "surface", "event")
 
@@ -81,29 +77,6 @@ class Stream:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-def reporter(progress: Progress) -> Callable[[int, int], object]:
-    """The function to call with the number of finished rays and the total."""
-    if callable(progress):
-        return progress
-    return _Bar() if progress else lambda done, total: None
-
-
-class _Bar:
-    """A bar on standard error."""
-
-    def __init__(self) -> None:
-        self._begin = time.monotonic()
-
-    def __call__(self, done: int, total: int) -> None:
-        part = done / total if total else 1.0
-        filled = round(30 * part)
-        seconds = time.monotonic() - self._begin
-        left = f"{seconds / part - seconds:.0f} s left" if 0 < part < 1 else f"{seconds:.1f} s"
-        end = "\n" if done >= total else ""
-        bar = "#" * filled + "-" * (30 - filled)
-        print(f"\r[{bar}] {100 * part:3.0f} % {left}   ", end=end, file=sys.stderr, flush=True)
 
 
 def record_batch(trace: Trace) -> Any:

@@ -14,13 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave._core import Glass, Model, Solid
 from rayweave._model import Medium, Region
+from rayweave._progress import Progress, callback
 from rayweave._table import Rows, dataset, table_of
 from rayweave.optics._analysis import Path, Spot, irradiance_of, paths_of, spot_of
 from rayweave.optics._elements import Element, _medium, _yellow
 from rayweave.optics._given import all_of, array, flag, package, real, text, unknown, whole
 from rayweave.optics._plot import Plot, one_axes
 from rayweave.optics._sources import Source
-from rayweave.optics._stream import Progress, Stream, record_batch, reporter, write
+from rayweave.optics._stream import Stream, record_batch, write
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -203,7 +204,7 @@ class System:
             first, last = range
             settings["rays"] = whole(first, "range[0]", bits=62), whole(last, "range[1]", bits=62)
         compiled = [source.compiled for source in given]
-        columns, accounts = self._compiled.trace_sources(compiled, settings, _progress_callback(progress))
+        columns, accounts = self._compiled.trace_sources(compiled, settings, callback(progress))
         return self._trace_of(columns, accounts, phases)
 
     def stream(
@@ -298,7 +299,7 @@ class System:
             _numbers_of("source", source, count),
             None if light is None else light.tolist(),
             settings,
-            _progress_callback(progress),
+            callback(progress),
         )
         return self._trace_of(columns, accounts, phases)
 
@@ -357,10 +358,6 @@ def _all_sources(sources: Source | Iterable[Source]) -> list[Source]:
     if not given:
         raise _core.RayweaveError("sources is empty: light has to come from somewhere.")
     return given
-
-
-def _progress_callback(progress: Progress) -> Any:
-    return reporter(progress) if progress else None
 
 
 class Trace(Mapping[str, NDArray[Any]]):

@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._drawing import Drawing
+from rayweave._progress import Progress, callback, reporter
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import real, unknown, whole
-from rayweave.optics._stream import Progress, reporter
 from rayweave.photons._run import Run
 from rayweave.photons._sources import Source
 from rayweave.photons._tables import SurfaceTables
@@ -448,8 +448,7 @@ class Detector:
     def _run(
         self, source: Source, numbers: tuple[int, int], settings: dict[str, Any], progress: Progress
     ) -> Run:
-        tell = None if progress is None or progress is False else reporter(progress)
-        compiled = self.compiled.simulate(source.compiled, settings | {"range": numbers}, tell)
+        compiled = self.compiled.simulate(source.compiled, settings | {"range": numbers}, callback(progress))
         return Run(compiled, self.name)
 
     def _numbers(self, source: Source, n: int | None, range: Any) -> tuple[int, int]:
