@@ -21,6 +21,9 @@ pub struct PolygonalFace {
     pub is_hole: bool,
     /// The depth of a hole that ends in the material at one end.
     pub depth: Option<f64>,
+    /// The radius of the rounded corners of a rectangle, all of them equal; 0 for sharp corners. `corners` are those of its sides,
+    /// extended.
+    pub corner_radius: f64,
 }
 
 /// The features of a model along the axes x, y and z.
@@ -45,8 +48,9 @@ const PLACES: usize = 3;
 /// The greatest number of slabs between flat faces in which cross-sections are computed.
 const MAX_SLABS: usize = 32;
 
-/// The greatest number of corners of a polygon.
+/// The greatest number of corners of a polygon, and of points of a contour, whose corners may be round.
 const MAX_CORNERS: usize = 256;
+const MAX_POINTS: usize = 4096;
 
 /// The relative error of equal lengths, and the distance of the lines inside and outside of an edge.
 const EQUAL: f64 = 1e-7;
@@ -202,12 +206,21 @@ impl<'a, E: Evaluator> AxisView<'a, E> {
 
     /// The face of a contour, if it is a polygon of a known kind and a hole that is open somewhere, or a boss.
     fn face(&self, contour: &[[f64; 2]], cut: &Cut) -> Option<PolygonalFace> {
-        let mut corners = corners(contour, EQUAL * self.size);
-        let is_hole = area(&corners) < 0.0;
+        let mut points = corners(contour, EQUAL * self.size);
+        let is_hole = area(&points) < 0.0;
         if is_hole {
-            corners.reverse();
+            points.reverse();
         }
-        let corners = self.sharpened(&corners, cut)?;
+        let rounded = if is_hole { straight_sides(&points) } else { None };
+        let sides = rounded.map_or_else(|| edges(&points), Vec::from);
+        let corners = match sides.len() <= MAX_CORNERS {
+            true => self.sharpened(&sides, cut)?,
+            false => return None,
+        };
+        let corner_radius = match rounded {
+            Some(_) => self.corner_radius(&corners, &points, cut)?,
+            None => 0.0,
+        };
         let is_rectangle = is_hole && sides_of_rectangle(&corners, EQUAL * self.size).is_some();
         let is_boss = !is_hole && corners.len() >= 5;
         if !(is_rectangle || (is_hole || is_boss) && is_regular(&corners, 10.0 * EQUAL * self.size)) {
@@ -226,15 +239,65 @@ impl<'a, E: Evaluator> AxisView<'a, E> {
         }
         let depth = (is_hole && (is_floor || is_ceiling)).then_some(above - below);
         let lower = corners.iter().map(|&at| cut.point(at) + below * self.direction()).collect();
-        Some(PolygonalFace { corners: lower, along: (above - below) * self.direction(), is_hole, depth })
+        let along = (above - below) * self.direction();
+        Some(PolygonalFace { corners: lower, along, is_hole, depth, corner_radius })
+    }
+
+    /// The common radius of the corners of a rectangular hole that rays towards its corners, and beside them, find. `points` are those
+    /// of its contour.
+    fn corner_radius(&self, corners: &[[f64; 2]], points: &[[f64; 2]], cut: &Cut) -> Option<f64> {
+        const PER_RADIUS: f64 = std::f64::consts::SQRT_2 - 1.0;
+        let nearest =
+            |corner: [f64; 2]| points.iter().map(|&p| distance(p, corner)).fold(f64::INFINITY, f64::min);
+        // from a corner into the hole, at equal angles to its sides
+        let inward = |k: usize| {
+            let [before, at, after] = [k + 3, k, k + 1].map(|k| corners[k % 4]);
+            let to = |p: [f64; 2]| [0, 1].map(|i| (p[i] - at[i]) / distance(p, at));
+            let (a, b) = (to(before), to(after));
+            [0, 1].map(|i| (a[i] + b[i]) * std::f64::consts::FRAC_1_SQRT_2)
+        };
+        let near: Vec<f64> = (0..4).map(|k| nearest(corners[k])).collect();
+        let inside = |k: usize, by: f64| [0, 1].map(|i| corners[k][i] + by * inward(k)[i]);
+        let starts = (0..4).map(|k| (inside(k, 2.0 * near[k]), inward(k).map(|x| -x), near[k]));
+        let depths = self.ways(starts, cut)?;
+        let radii: Vec<f64> =
+            depths.iter().zip(&near).map(|(t, near)| (2.0 * near - t) / PER_RADIUS).collect();
+        let (radius, tolerance) = (radii[0], 10.0 * EQUAL * self.size);
+        let is_equal = |own: &f64| (own - radius).abs() < tolerance;
+        if radius < 100.0 * tolerance || !radii.iter().all(is_equal) {
+            return None;
+        }
+        // rays from the centre of each corner
+        let around = (0..4).flat_map(|k| {
+            [-0.6, 0.3].map(|angle: f64| {
+                let ([x, y], sin, cos) = (inward(k).map(|x| -x), libm::sin(angle), libm::cos(angle));
+                let centre = inside(k, std::f64::consts::SQRT_2 * radius);
+                (centre, [cos * x - sin * y, sin * x + cos * y], radius)
+            })
+        });
+        self.ways(around, cut)?.iter().all(is_equal).then_some(radius)
+    }
+
+    /// The ways from points in directions to the nearest ends of material, about as long as expected; `None` if one is not there.
+    fn ways(&self, rays: impl Iterator<Item = ([f64; 2], [f64; 2], f64)>, cut: &Cut) -> Option<Vec<f64>> {
+        let (mut batch, mut expected) = (RayBatch::default(), Vec::new());
+        for (start, out, way) in rays {
+            batch.push(Ray::new(cut.point(start), out[0] * self.across(0) + out[1] * self.across(1)));
+            expected.push(way);
+        }
+        let spans = spans_along(self.evaluator, &batch, &mut self.evaluator.scratch());
+        let way = |(spans, &way): (&Spans, &f64)| {
+            let t = spans.ends().min_by(|s, t| (s - way).abs().total_cmp(&(t - way).abs()))?;
+            ((t - way).abs() < 0.5 * way).then_some(t)
+        };
+        spans.iter().zip(&expected).map(way).collect()
     }
 
     /// The points where the edges meet, by rays across each edge at two places: a contour may cut a corner. `None` without edges there.
-    fn sharpened(&self, corners: &[[f64; 2]], cut: &Cut) -> Option<Vec<[f64; 2]>> {
-        let count = corners.len();
+    fn sharpened(&self, edges: &[[[f64; 2]; 2]], cut: &Cut) -> Option<Vec<[f64; 2]>> {
+        let count = edges.len();
         let (mut batch, mut starts) = (RayBatch::default(), Vec::new());
-        for (k, &a) in corners.iter().enumerate() {
-            let b = corners[(k + 1) % count];
+        for &[a, b] in edges {
             let (length, far) = (distance(a, b), 0.01 * distance(a, b));
             let out = [(b[1] - a[1]) / length, (a[0] - b[0]) / length];
             for part in [0.29, 0.73] {
@@ -321,6 +384,7 @@ impl PolygonalFace {
             && self.is_hole == other.is_hole
             && (middle(self) - middle(other)).length() < tolerance
             && (self.along - other.along).length() < tolerance
+            && (self.corner_radius - other.corner_radius).abs() < tolerance
             && ((self.corners[0] - middle(self)).length() - (other.corners[0] - middle(other)).length()).abs()
                 < tolerance
     }
@@ -359,6 +423,28 @@ fn area(corners: &[[f64; 2]]) -> f64 {
     0.5 * corners.windows(2).map(|pair| turn(first, pair[0], pair[1])).sum::<f64>()
 }
 
+/// The edges between corners.
+fn edges(corners: &[[f64; 2]]) -> Vec<[[f64; 2]; 2]> {
+    corners.iter().enumerate().map(|(k, &corner)| [corner, corners[(k + 1) % corners.len()]]).collect()
+}
+
+/// The four sides of a rectangle with rounded corners, in order: the longest edges, with others between them.
+fn straight_sides(points: &[[f64; 2]]) -> Option<[[[f64; 2]; 2]; 4]> {
+    let edges = edges(points);
+    let length = |k: usize| distance(edges[k][0], edges[k][1]);
+    let mut longest: Vec<usize> = (0..edges.len()).collect();
+    longest.sort_by(|&a, &b| length(b).total_cmp(&length(a)));
+    longest.truncate(4);
+    longest.sort_unstable();
+    let sides: [usize; 4] = longest.try_into().ok()?;
+    let is_corner = |k: usize| {
+        let (one, two) = (sides[k], sides[(k + 1) % 4]);
+        let [a, b] = [one, two].map(|k| [0, 1].map(|i| (edges[k][1][i] - edges[k][0][i]) / length(k)));
+        (one + 1) % edges.len() != two && (a[0] * b[0] + a[1] * b[1]).abs() < 1e-3
+    };
+    (0..4).all(is_corner).then(|| sides.map(|k| edges[k]))
+}
+
 /// The corners of a contour: points on straight lines between their neighbours are left out. Empty if there are too many.
 fn corners(contour: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     let mut points: Vec<usize> = (0..contour.len()).collect();
@@ -379,7 +465,7 @@ fn corners(contour: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
             k += 1;
         }
     }
-    match (3..=MAX_CORNERS).contains(&points.len()) {
+    match (3..=MAX_POINTS).contains(&points.len()) {
         true => points.into_iter().map(|k| contour[k]).collect(),
         false => Vec::new(),
     }

@@ -208,3 +208,36 @@ fn polygonal_holes_have_exact_corners() {
     assert!(x.is_empty() && y.is_empty() && found.left_out.is_empty(), "{found:?}");
     assert!(z.len() == 2 && z[0].abs() < 1e-9 && (z[1] - 10.0).abs() < 1e-9, "{z:?}");
 }
+
+/// A pocket and a hole with round corners, a pocket with two different radii, and a slot, which is no rectangle.
+#[test]
+fn rounded_rectangles_have_their_sides_and_radius() {
+    let outline = |[x, y]: [f64; 2], radii: [f64; 4]| {
+        let corners = [[-x, -y], [x, -y], [x, y], [-x, y]];
+        let corner = corners.iter().zip(radii).map(|(at, r)| format!("{{ at = {at:?}, fillet = {r:?} }}"));
+        format!("outline = [{}]", corner.collect::<Vec<_>>().join(", "))
+    };
+    let text = format!(
+        "[solid.plate]\nbox_from_corners = {{ lo = [0, 0, 0], hi = [100, 60, 10] }}\n\
+         [solid.pocket]\ntransform = [{{ rotate_z = 25 }}, {{ translate = [20, 30, 6] }}]\n[solid.pocket.extrude]\nheight = 20\n{}\n\
+         [solid.hole]\ntransform = [{{ translate = [50, 40, -10] }}]\n[solid.hole.extrude]\nheight = 40\n{}\n\
+         [solid.uneven]\ntransform = [{{ translate = [50, 15, -10] }}]\n[solid.uneven.extrude]\nheight = 40\n{}\n\
+         [solid.slot]\ntransform = [{{ translate = [80, 30, -10] }}]\n[solid.slot.extrude]\nheight = 40\n{}\n\
+         [solid.part]\nexpr = \"plate - pocket - hole - uneven - slot\"\n[[region]]\nsolid = \"part\"",
+        outline([10.0, 6.0], [3.0; 4]),
+        outline([4.0, 7.0], [3.5; 4]),
+        outline([9.0, 5.0], [1.0, 2.0, 1.0, 2.0]),
+        outline([4.0, 8.0], [4.0, 4.0, 4.0, 4.0]),
+    );
+    let evaluator = evaluator(&text);
+    let round = cylindrical_faces(&evaluator).faces;
+    let found = axial_features(&evaluator, &round, &SectionRun::default()).unwrap();
+    let size = |face: &PolygonalFace| {
+        let corners: Vec<[f64; 2]> = face.corners.iter().map(|corner| [corner.x, corner.y]).collect();
+        let sides = sides_of_rectangle(&corners, 1e-5).unwrap();
+        [sides[0], sides[1], face.corner_radius, face.depth.unwrap_or(0.0)].map(|x| (x * 1e8).round() / 1e8)
+    };
+    let mut sizes: Vec<[f64; 4]> = found.polygons.iter().map(size).collect();
+    sizes.sort_by(|a, b| b[0].total_cmp(&a[0]));
+    assert_eq!(sizes, [[20.0, 12.0, 3.0, 4.0], [14.0, 8.0, 3.5, 0.0]], "{found:?}");
+}

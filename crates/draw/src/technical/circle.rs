@@ -15,10 +15,11 @@ pub enum Shape {
         sides: usize,
         angle: f64,
     },
-    /// The longer and the shorter side, and the angle of the longer one.
+    /// The longer and the shorter side, the angle of the longer one, and the radius of the corners, 0 if they are sharp.
     Rectangle {
         size: [f64; 2],
         angle: f64,
+        corner_radius: f64,
     },
 }
 
@@ -36,6 +37,9 @@ pub struct Circle {
     /// The width of a groove, a hole that is closed at both ends.
     pub width: Option<f64>,
 }
+
+/// The number of lines of a round corner.
+const ARC: u32 = 12;
 
 /// Circles with the same text.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +73,8 @@ impl Circle {
             Some(size) => {
                 let length = libm::hypot(corners[1][0] - corners[0][0], corners[1][1] - corners[0][1]);
                 let first = usize::from((length - size[0]).abs() > (length - size[1]).abs());
-                Shape::Rectangle { size, angle: angle(corners[first], corners[first + 1]) }
+                let angle = angle(corners[first], corners[first + 1]);
+                Shape::Rectangle { size, angle, corner_radius: face.corner_radius }
             }
             None => Shape::Regular { sides: corners.len(), angle: angle(centre, corners[0]) },
         };
@@ -84,7 +89,44 @@ impl Circle {
         }
     }
 
-    /// The corners of a polygon, in order; none of a circle.
+    /// The outline of a polygon with round corners as lines, without the last one; empty for a circle.
+    pub fn outline(&self) -> Vec<Point> {
+        let corners = self.corners();
+        let Shape::Rectangle { corner_radius, .. } = self.shape else { return corners };
+        if corner_radius == 0.0 {
+            return corners;
+        }
+        let count = corners.len();
+        let round = |k: usize| {
+            let [before, at, after] = [k + count - 1, k, k + 1].map(|k| corners[k % count]);
+            // the unit vectors from the corner along its sides
+            let to = |p: Point| {
+                let length = libm::hypot(p[0] - at[0], p[1] - at[1]);
+                [0, 1].map(|i| (p[i] - at[i]) / length)
+            };
+            let (a, b) = (to(before), to(after));
+            (0..=ARC).map(move |step| {
+                let turn = std::f64::consts::FRAC_PI_2 * f64::from(step) / f64::from(ARC);
+                let (sin, cos) = (libm::sin(turn), libm::cos(turn));
+                [0, 1].map(|i| at[i] + corner_radius * ((1.0 - sin) * a[i] + (1.0 - cos) * b[i]))
+            })
+        };
+        (0..count).flat_map(round).collect()
+    }
+
+    /// The radius and the centres of the round corners of a rectangle.
+    fn round_corners(&self) -> Vec<(f64, Point)> {
+        let Shape::Rectangle { size, angle, corner_radius } = self.shape else { return Vec::new() };
+        // the corners of a smaller rectangle, along the same sides
+        let size = size.map(|side| side - 2.0 * corner_radius);
+        let inner = Circle { shape: Shape::Rectangle { size, angle, corner_radius: 0.0 }, ..*self };
+        match corner_radius > 0.0 {
+            true => inner.corners().into_iter().map(|centre| (corner_radius, centre)).collect(),
+            false => Vec::new(),
+        }
+    }
+
+    /// The corners of a polygon, or of its sides, extended, in order; none of a circle.
     pub fn corners(&self) -> Vec<Point> {
         let at = |angle: f64, [x, y]: Point| {
             let (sin, cos) = (libm::sin(angle), libm::cos(angle));
@@ -97,7 +139,7 @@ impl Circle {
                     |k| at(angle + std::f64::consts::TAU * f64::from(k) / sides as f64, [self.radius, 0.0]);
                 (0..sides as u32).map(of).collect()
             }
-            Shape::Rectangle { size: [long, short], angle } => {
+            Shape::Rectangle { size: [long, short], angle, .. } => {
                 [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]]
                     .map(|[x, y]| at(angle, [0.5 * x * long, 0.5 * y * short]))
                     .into()
@@ -107,7 +149,7 @@ impl Circle {
 
     /// The distance of the outline from the centre in a direction.
     pub fn reach(&self, towards: Point) -> f64 {
-        let corners = self.corners();
+        let corners = self.outline();
         let of = |k: usize| {
             let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
             let across = [b[1] - a[1], a[0] - b[0]];
@@ -145,9 +187,10 @@ impl Circle {
         let is_alike = match (self.shape, other.shape) {
             (Shape::Round, Shape::Round) => true,
             (Shape::Regular { sides: a, .. }, Shape::Regular { sides: b, .. }) => a == b,
-            (Shape::Rectangle { size: a, .. }, Shape::Rectangle { size: b, .. }) => {
-                (a[0] - b[0]).abs() < tolerance && (a[1] - b[1]).abs() < tolerance
-            }
+            (
+                Shape::Rectangle { size: a, corner_radius: r, .. },
+                Shape::Rectangle { size: b, corner_radius: s, .. },
+            ) => [a[0] - b[0], a[1] - b[1], r - s].iter().all(|difference| difference.abs() < tolerance),
             _ => false,
         };
         let is_near = |a: Option<f64>, b: Option<f64>| match (a, b) {
@@ -166,9 +209,17 @@ impl Circle {
 
 /// Groups circles of the same size, kind and depth, the largest first. `size` is that of the model; the texts have lengths to
 /// `resolution`.
-pub fn groups(circles: Vec<Circle>, size: f64, resolution: f64) -> Vec<Group> {
+pub fn groups(mut circles: Vec<Circle>, size: f64, resolution: f64) -> Vec<Group> {
     let tolerance = 1e-7 * size;
     let distance = |a: Point, b: Point| libm::hypot(a[0] - b[0], a[1] - b[1]);
+    // their radius is in the text of the rectangle
+    let round: Vec<(f64, Point)> = circles.iter().flat_map(Circle::round_corners).collect();
+    circles.retain(|own| {
+        let is_corner = |(radius, centre): &(f64, Point)| {
+            (own.radius - radius).abs() < tolerance && distance(own.centre, *centre) < tolerance
+        };
+        own.is_full || !round.iter().any(is_corner)
+    });
     let mut groups: Vec<Vec<Circle>> = Vec::new();
     for circle in circles {
         match groups.iter_mut().find(|group| group[0].is_like(&circle, tolerance)) {
@@ -239,6 +290,11 @@ fn text(circles: &[Circle], ring: Option<(Point, f64)>, resolution: f64) -> Stri
             (None, None) => " through".to_owned(),
         };
     }
+    if let Shape::Rectangle { corner_radius, .. } = first.shape
+        && corner_radius > 0.0
+    {
+        text += &format!(", R{}", number(corner_radius));
+    }
     if let Some((_, radius)) = ring {
         text += &format!(" on \u{2300}{}", number(2.0 * radius));
     }
@@ -288,12 +344,24 @@ mod tests {
         assert!((hexagon.reach([1.0, 0.0]) - 10.0).abs() < 1e-12);
         assert!((hexagon.reach([0.0, 1.0]) - 75f64.sqrt()).abs() < 1e-12);
         let size = [20.0, 8.0];
-        let slot = Circle { shape: Shape::Rectangle { size, angle: 0.0 }, radius: 116f64.sqrt(), ..hexagon };
+        let slot = Circle {
+            shape: Shape::Rectangle { size, angle: 0.0, corner_radius: 0.0 },
+            radius: 116f64.sqrt(),
+            ..hexagon
+        };
         assert_eq!(
             texts(&[slot, Circle { depth: None, ..slot }]),
             ["20 \u{d7} 8 \u{d7} 5 deep", "20 \u{d7} 8 through"]
         );
         assert_eq!([slot.reach([1.0, 0.0]), slot.reach([0.0, -1.0])], [10.0, 4.0]);
+        // the radius of the corners of a pocket is in its text, and other round edges have their own
+        let pocket = Circle { shape: Shape::Rectangle { size, angle: 0.0, corner_radius: 3.0 }, ..slot };
+        let edge = |centre| Circle { is_full: false, ..circle(centre, 3.0, None) };
+        let edges = [[8.0, 3.0], [-6.0, 3.0], [-6.0, 1.0], [8.0, 1.0], [30.0, 0.0]].map(edge);
+        assert_eq!(texts(&[&[pocket][..], &edges].concat()), ["20 \u{d7} 8 \u{d7} 5 deep, R3", "R3"]);
+        let outline = pocket.outline();
+        let of = |[x, y]: Point| libm::hypot((x - 1.0).abs().max(7.0) - 7.0, (y - 2.0).abs().max(1.0) - 1.0);
+        assert!(outline.iter().all(|&at| (of(at) - 3.0).abs() < 1e-12), "{outline:?}");
         let facets = Circle { shape: Shape::Regular { sides: 30, angle: 0.2 }, ..hexagon };
         assert_eq!(texts(&[facets]), ["\u{2300}20 \u{d7} 5 deep"]);
     }

@@ -3,7 +3,8 @@
 //! The views are those of ISO 5456-2, in first-angle or third-angle projection. Lines are of the types of ISO 128-2: wide for visible
 //! edges, dashed for hidden holes, chain lines for the axes of cylinders and for circles of holes. Each view has the overall
 //! sizes, the distances between flat faces at steps, the diameters of the cylinders that it shows as circles (`4× ⌀6.6 through`,
-//! `8× ⌀9 × 12 deep on ⌀95`, `R5`), and the sizes of polygonal holes: `hexagon 10 across flats × 5 deep`, `20 × 8 through`.
+//! `8× ⌀9 × 12 deep on ⌀95`, `R5`), and the sizes of polygonal holes: `hexagon 10 across flats × 5 deep`, `20 × 8 through`,
+//! `20 × 8 × 5 deep, R3` with round corners.
 
 mod circle;
 mod label;

@@ -78,7 +78,7 @@ impl Panel {
                 self.cross(svg, circle.centre, circle.radius);
                 let pairs = circle.beside(BESIDE);
                 if is_edge(evaluator, &self.plane, &pairs, jump).contains(&false) {
-                    match &circle.corners()[..] {
+                    match &circle.outline()[..] {
                         [] => {
                             svg.circle(
                                 "hidden",
@@ -87,7 +87,7 @@ impl Panel {
                                 "",
                             );
                         }
-                        corners => svg.path("hidden", self.plan.path(corners, true), ""),
+                        outline => svg.path("hidden", self.plan.path(outline, true), ""),
                     }
                 }
             }
