@@ -66,7 +66,7 @@ fn joined<'a>(objects: &[(&str, &'a Mesh)]) -> Result<Cow<'a, Mesh>, FileError> 
 /// determines it.
 ///
 /// # Errors
-/// [`FileError::UnknownFormat`], [`FileError::NotWritten`] if the file cannot be created or renamed, or as [`write`].
+/// [`FileError::UnknownFormat`], [`FileError::NotWritten`] if the file cannot be created or renamed, or as [`write()`].
 pub fn save(
     mesh: &Mesh,
     path: &Path,
