@@ -136,6 +136,9 @@ def _read(app, page, source):
     file = ROOT / ELSEWHERE[page] if page in ELSEWHERE else DOCS / f"{page}.md"
     if not file.is_file():
         return
+    if page in ELSEWHERE:
+        # otherwise Sphinx would keep the page as it was when only that file changes
+        app.env.note_dependency(str(file))
     text = file.read_text(encoding="utf-8") if page in ELSEWHERE else source[0]
     # comments such as <!-- layers --> serve other tools
     text = re.sub(r"^<!--.*?-->\n", "", text, flags=re.MULTILINE | re.DOTALL)
