@@ -62,13 +62,34 @@ fn placed(rng: &mut Random, frame: &Affine) -> (Vec<Region>, Vec<Target>) {
         Region { name: format!("copies {k}"), solid: solid.apply(*frame), medium: 1 + k as u32 % 2 }
     });
     let regions = regions.collect();
+    (regions, targets(rng))
+}
+
+/// Points on faces of copies, and in their edges.
+fn targets(rng: &mut Random) -> Vec<Target> {
     let target = |rng: &mut Random| {
         let axis = rng.below(3);
         let (normal, along) = (Vec3::AXES[axis], Vec3::AXES[(axis + 1) % 3]);
         let point = map(rng).point(0.5 * normal + rng.pick(&[0.0, 0.5, 0.1]) * along);
         Target::new(point, normal, along)
     };
-    (regions, (0..8).map(|_| target(rng)).collect())
+    (0..8).map(|_| target(rng)).collect()
+}
+
+/// Compares all queries on named regions, with so many rays in bundles and with single rays, aimed at targets before the frame.
+fn examine(
+    oracle: &mut Oracle,
+    rng: &mut Random,
+    (regions, name): (Vec<Region>, String),
+    (targets, frame): (&[Target], &Affine),
+    count: usize,
+) {
+    let mut rays = bundles(rng, targets, count);
+    rays.extend((0..16).map(|_| aimed(rng, targets)));
+    let rays = rays.into_iter().map(|ray| ray.transformed(frame)).collect();
+    if let Some(setting) = Setting::new(regions, rays, name) {
+        oracle.everything(&setting, rng, &levels());
+    }
 }
 
 /// Compares all queries on placed solids, with bundles and with single rays.
@@ -78,11 +99,7 @@ fn check(models: u64, least: u64) {
         let rng = &mut Random::new(8 << 40 | seed);
         let frame = frame(rng);
         let (regions, targets) = placed(rng, &frame);
-        let mut rays = bundles(rng, &targets, 48);
-        rays.extend((0..16).map(|_| aimed(rng, &targets)));
-        let rays = rays.into_iter().map(|ray| ray.transformed(&frame)).collect();
-        let Some(setting) = Setting::new(regions, rays, format!("placed {seed}")) else { continue };
-        oracle.everything(&setting, rng, &levels());
+        examine(&mut oracle, rng, (regions, format!("placed {seed}")), (&targets, &frame), 48);
     }
     oracle.finish(models * least);
 }
@@ -114,18 +131,8 @@ fn check_copies(models: u64, least: u64) {
         };
         let solid = Solid::union((0..kinds).map(|_| placed(rng)).collect::<Vec<_>>()).apply(frame);
         let region = Region { name: "copies".into(), solid, medium: 1 };
-        let target = |rng: &mut Random| {
-            let axis = rng.below(3);
-            let (normal, along) = (Vec3::AXES[axis], Vec3::AXES[(axis + 1) % 3]);
-            let point = map(rng).point(0.5 * normal + rng.pick(&[0.0, 0.5, 0.1]) * along);
-            Target::new(point, normal, along)
-        };
-        let targets: Vec<Target> = (0..8).map(|_| target(rng)).collect();
-        let mut rays = bundles(rng, &targets, 32);
-        rays.extend((0..16).map(|_| aimed(rng, &targets)));
-        let rays = rays.into_iter().map(|ray| ray.transformed(&frame)).collect();
-        let Some(setting) = Setting::new(vec![region], rays, format!("copies {seed}")) else { continue };
-        oracle.everything(&setting, rng, &levels());
+        let targets = targets(rng);
+        examine(&mut oracle, rng, (vec![region], format!("copies {seed}")), (&targets, &frame), 32);
     }
     oracle.finish(models * least);
 }
