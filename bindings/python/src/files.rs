@@ -36,9 +36,11 @@ impl PyAtomicFile {
         py.detach(|| {
             let mut file = self.lock();
             let file = file.as_mut().ok_or_else(closed)?;
-            let path = file.target().display().to_string();
             let written = file.write_all(data);
-            written.map_err(|error| failed(TableError::Io { action: "write", path, error }))
+            written.map_err(|error| {
+                let path = file.target().display().to_string();
+                failed(TableError::Io { action: "write", path, error })
+            })
         })
     }
 
