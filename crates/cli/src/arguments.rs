@@ -386,7 +386,7 @@ pub struct SamplingArguments {
     pub confidence: f64,
 
     /// Trace at most this many rays for a region, or for all regions together in a model of more than 32 regions; a first round for all
-    /// regions does not count [default: 2^24, fewer if they would reach more than 2^24 shapes]
+    /// regions does not count [default: 2^24, fewer if all rays would reach more than 2^23 shapes]
     #[arg(long, value_name = "N", value_parser = whole_number)]
     pub rays: Option<u64>,
 

@@ -154,7 +154,7 @@ def diff(
     the whole models; by default whole models if one of them has a single region, otherwise regions. Differences up to
     `distance` (default: 1e-9 of the diagonal) are ignored. Each part is tested with 6 `cells`^2 rays; volumes are
     measured until half the width of their interval is `precision` times the volume, with at most `most_rays` rays
-    (default: 2^20, or fewer if they would reach more than 2^24 shapes). Equal seeds give equal results. `progress=True` shows
+    (default: 2^20, or fewer if all would reach more than 2^23 shapes). Equal seeds give equal results. `progress=True` shows
     the progress on standard error; a function is called with the finished thousandths and 1000.
 
     >>> import rayweave as rw

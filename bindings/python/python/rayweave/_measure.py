@@ -94,8 +94,8 @@ def measure(
 
     Rays are added until half the width of each volume's interval, at the level of `confidence`, is at most `precision` times the
     volume, or until `most_rays` rays have been traced. `most_rays` counts the rays of each region, in a model of more than 32
-    regions those of all regions together; its default is 2^24, or fewer in models where many shapes overlap, so that rays reach at
-    most 2^24 shapes. Parts of a region that later regions cover do not count. `within` (2, 3), the corners of a box, restricts the
+    regions those of all regions together; its default is 2^24, or fewer in models where many shapes overlap, so that all
+    rays reach at most 2^23 shapes. Parts of a region that later regions cover do not count. `within` (2, 3), the corners of a box, restricts the
     measurement to the box. Equal seeds give equal results, regardless of the number of threads. `progress=True` shows the progress on
     standard error; a function is called with the number of rays so far and an estimate of the total.
 

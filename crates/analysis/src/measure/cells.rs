@@ -76,32 +76,37 @@ impl Cells {
         within.and_then(Result::ok).unwrap_or_default()
     }
 
-    /// Traces the rays of a range of cells.
+    /// Traces the rays of a range of cells; returns also the number of crossings.
     pub(super) fn trace<E: Evaluator>(
         &self,
         evaluator: &E,
         rays: &RayBatch,
         scratch: &mut E::Scratch,
-    ) -> Sums {
+    ) -> (Sums, u64) {
         let mut sums = Sums::new();
-        self.each(evaluator, rays, scratch, |region, [a, b]| sums.entry(region).or_default().cell(&a, &b));
-        sums
+        let add = |region, [a, b]: [RayContribution; 2]| sums.entry(region).or_default().cell(&a, &b);
+        let crossings = self.each(evaluator, rays, scratch, add);
+        (sums, crossings)
     }
 
     /// Traces the rays of a range of cells; `take` receives the contributions of the two rays of each cell to each region that they
-    /// cross, cell by cell.
+    /// cross, cell by cell. Returns the number of crossings.
     pub(super) fn each<E: Evaluator>(
         &self,
         evaluator: &E,
         rays: &RayBatch,
         scratch: &mut E::Scratch,
         take: impl FnMut(RegionId, [RayContribution; 2]),
-    ) {
+    ) -> u64 {
         let window = self.window();
         let mut taken = Taken::new(self, evaluator.program(), window, take);
-        let rays = rays.rays();
-        let mut sink = |answer: RayAnswer<'_>| taken.ray(&rays.get(answer.ray), &answer);
+        let (rays, mut crossings) = (rays.rays(), 0);
+        let mut sink = |answer: RayAnswer<'_>| {
+            crossings += answer.crossings.len() as u64;
+            taken.ray(&rays.get(answer.ray), &answer);
+        };
         evaluator.crossings(rays, &Query { window, ..Query::default() }, scratch, &mut sink);
+        crossings
     }
 }
 

@@ -6,7 +6,7 @@ use super::estimate::{Estimate, Measured, Measurement, quantile, report, volume_
 use super::tally::Tally;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
-use rayweave_model::{Evaluator, Program, RayBatch, Region, RegionId};
+use rayweave_model::{Evaluator, Program, RayBatch, RayLoad, Region, RegionId};
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -17,8 +17,16 @@ const MAX_REACH: f64 = 1e30;
 /// Cells per task.
 const CELLS_PER_TASK: u64 = 1024;
 
-/// Cells along an edge of the cross-section in the first round.
+/// Cells along an edge of the cross-section in the first round: the usual number, and that of models of which each ray reaches very many
+/// shapes.
 pub(super) const FIRST_ACROSS: u64 = 48;
+const LEAST_FIRST_ACROSS: u64 = 6;
+
+/// The first round takes at most this part of the shapes that all rays may reach.
+const FIRST_PART: u64 = 4;
+
+/// The most boxes of regions times leaves that are compared to find how many shapes the rays through each box reach.
+const MOST_COMPARED: usize = 1 << 24;
 
 /// The number of regions above which rays are shared: see [`measure`].
 pub(super) const MAX_ALONE: usize = 32;
@@ -33,8 +41,9 @@ pub struct MeasureSettings {
     /// The maximum number of rays, excluding the first round, which serves all regions: per region, and of all rays together in a
     /// model of more than 32 regions.
     pub most_rays: u64,
-    /// The maximum number of shapes that these rays reach, by the boxes of the shapes: where many shapes overlap, it limits the number
-    /// of rays further. `None` for no such limit.
+    /// The maximum number of shapes that all rays together reach, by the boxes of the shapes, with those of the first round: where many
+    /// shapes overlap, it limits the number of rays further. A ray reaches at least one. Each region of a model of up to 32 regions may
+    /// use an equal part of what the regions before it have left. `None` for no such limit.
     pub most_reached: Option<u64>,
     /// Restricts the measurement to this box; the faces of the box do not count as boundary.
     pub within: Option<Bounds>,
@@ -46,14 +55,14 @@ pub struct MeasureSettings {
     pub cancel: Cancel,
 }
 
-/// A precision of 1e-3 at 99 %, with at most 2^24 rays per region that reach at most 2^24 shapes.
+/// A precision of 1e-3 at 99 %, with at most 2^24 rays per region, and 2^23 shapes that all rays reach.
 impl Default for MeasureSettings {
     fn default() -> Self {
         MeasureSettings {
             precision: 1e-3,
             confidence: 0.99,
             most_rays: 1 << 24,
-            most_reached: Some(1 << 24),
+            most_reached: Some(1 << 23),
             within: None,
             seed: 0,
             threads: None,
@@ -139,16 +148,21 @@ pub fn measure_with_progress<E: Evaluator>(
     let count = program.regions().len();
     let reached = vec![f64::INFINITY; count];
     let (boxes, whole) = boxes_of(program, settings)?;
-    let load = program.ray_load().along_axes(&whole);
-    let axes = Axes::of(&load);
-    let most_rays = most_rays(&axes, &load, settings);
+    let load = program.ray_load();
+    let in_whole = load.along_axes(&whole);
+    let axes = Axes::of(&in_whole);
+    let left = settings.most_reached.unwrap_or(u64::MAX);
+    let first = axes.across_of(axes.affordable(&in_whole, left / FIRST_PART));
+    let first = first.clamp(LEAST_FIRST_ACROSS, FIRST_ACROSS);
+    let (traced, streams) = (0, 0);
     let mut run =
-        Run { evaluator, settings, axes, most_rays, progress, quantile, traced: 0, streams: 0, reached };
+        Run { evaluator, settings, axes, load, left, first, progress, quantile, traced, streams, reached };
     let mut results = vec![Joined::default(); count];
     if !whole.is_empty() {
         check_bounds(program, &whole)?;
-        run.round(&whole, FIRST_ACROSS, |_| true, &mut results)?;
+        run.round(&whole, &in_whole, first, |_| true, &mut results)?;
     }
+    let most_rays = run.affordable(&in_whole).min(settings.most_rays);
     let together = match count > MAX_ALONE {
         true => Some(run.refine_together(&boxes, whole, &mut results)?),
         false => None,
@@ -157,7 +171,7 @@ pub fn measure_with_progress<E: Evaluator>(
     for (region, info) in program.regions().iter().enumerate() {
         let own = match &together {
             Some(rays) => rays[region],
-            None => run.refine(region, &boxes[region], &mut results)?,
+            None => run.refine(region, &boxes[region], (count - region) as u64, &mut results)?,
         };
         let joined = &results[region];
         let found = Measured {
@@ -172,12 +186,6 @@ pub fn measure_with_progress<E: Evaluator>(
         });
     }
     Ok(Measurement { regions, rays: run.traced, most_rays })
-}
-
-/// The maximum number of rays that both limits of the settings allow, where rays along the axes reach these numbers of shapes.
-fn most_rays(axes: &Axes, load: &[f64; 3], settings: &MeasureSettings) -> u64 {
-    let of_reached = |most: u64| (most as f64 / axes.mean(load).max(1.0)) as u64;
-    settings.most_reached.map_or(u64::MAX, of_reached).min(settings.most_rays)
 }
 
 /// The number of shapes that a ray may reach before its axis gets fewer rays: below it, other costs of a ray matter too.
@@ -219,6 +227,20 @@ impl Axes {
         let squares: f64 = self.across.iter().map(|across| across * across).sum();
         let across = ((rays as f64 / (2.0 * squares)) as u64).isqrt();
         if self.rays(across) <= rays { across } else { across.saturating_sub(1) }
+    }
+
+    /// The number of rays that reach so many shapes, if rays along the axes reach these numbers each, and at least one.
+    fn affordable(&self, load: &[f64; 3], shapes: u64) -> u64 {
+        match shapes {
+            u64::MAX => u64::MAX,
+            _ => (shapes as f64 / self.mean(&load.map(|load| load.max(1.0)))) as u64,
+        }
+    }
+
+    /// The number of shapes that the rays of a round reach, if rays along the axes reach these numbers each, and at least one.
+    fn reached(&self, load: &[f64; 3], across: u64) -> u64 {
+        let along = |axis: usize| 2.0 * (self.across(axis, across).pow(2) as f64) * load[axis].max(1.0);
+        (0..3).map(along).sum::<f64>() as u64
     }
 
     /// The mean of values for the axes over all rays.
@@ -322,8 +344,11 @@ struct Run<'a, E> {
     evaluator: &'a E,
     settings: &'a MeasureSettings,
     axes: Axes,
-    /// The maximum number of rays, by both limits of the settings.
-    most_rays: u64,
+    load: RayLoad,
+    /// The number of shapes that further rays may reach; `u64::MAX` without a limit.
+    left: u64,
+    /// The number of cells along an edge in the first round.
+    first: u64,
     progress: &'a mut dyn FnMut(MeasureProgress),
     quantile: f64,
     traced: u64,
@@ -374,17 +399,27 @@ impl<E: Evaluator> Run<'_, E> {
         self.quantile * mean.deviation(&weights) <= self.settings.precision * mean.value(&weights)
     }
 
-    /// Runs rounds for one region in its own box; returns three times the number of rays along the axis with the fewest.
+    /// The number of rays that may follow, by the shapes that they reach, where rays along the axes reach these numbers each.
+    fn affordable(&self, load: &[f64; 3]) -> u64 {
+        self.axes.affordable(load, self.left)
+    }
+
+    /// Runs rounds for one region in its own box, the first of `count` regions left; returns three times the number of rays along the
+    /// axis with the fewest.
     fn refine(
         &mut self,
         region: usize,
         bounds: &Bounds,
+        count: u64,
         results: &mut [Joined],
     ) -> Result<u64, MeasureError> {
-        let mut across = FIRST_ACROSS;
+        let mut across = self.first;
         let (mut spent, mut least) = (0, 0);
+        let load = self.load.along_axes(bounds);
+        let kept = if self.left == u64::MAX { 0 } else { self.left - self.left / count };
         while !bounds.is_empty() && !self.is_finished(&results[region], spent) {
-            let most = self.axes.across_of(self.most_rays - spent);
+            let affordable = self.axes.affordable(&load, self.left.saturating_sub(kept));
+            let most = self.axes.across_of(affordable.min(self.settings.most_rays - spent));
             if most == 0 {
                 break;
             }
@@ -392,7 +427,7 @@ impl<E: Evaluator> Run<'_, E> {
             across = (across * 99).div_ceil(70).min(most);
             spent += self.axes.rays(across);
             least += 6 * self.axes.least(across).pow(2);
-            self.round(bounds, across, |own| own == region, results)?;
+            self.round(bounds, &load, across, |own| own == region, results)?;
         }
         Ok(least)
     }
@@ -404,8 +439,11 @@ impl<E: Evaluator> Run<'_, E> {
         whole: Bounds,
         results: &mut [Joined],
     ) -> Result<Vec<u64>, MeasureError> {
-        let (mut passed, mut left) = (vec![0; boxes.len()], self.most_rays);
-        let (mut shared, mut common, mut alone) = (FIRST_ACROSS, whole, FIRST_ACROSS / 2);
+        let (mut passed, mut left) = (vec![0; boxes.len()], self.settings.most_rays);
+        let (mut shared, mut common, mut alone) = (self.first, whole, self.first / 2);
+        let in_whole = self.load.along_axes(&whole);
+        let loads: Option<Vec<[f64; 3]>> = (boxes.len().saturating_mul(self.load.len()) <= MOST_COMPARED)
+            .then(|| boxes.iter().map(|own| self.load.along_axes(own)).collect());
         loop {
             let is_open = |region: usize| {
                 !boxes[region].is_empty() && !self.is_finished(&results[region], passed[region])
@@ -422,24 +460,33 @@ impl<E: Evaluator> Run<'_, E> {
             }
             let crossed: f64 = listed.iter().map(|&region| sides(&boxes[region])).sum();
             if crossed >= sides(&common) {
-                shared = (shared * 99).div_ceil(70).min(self.axes.across_of(left));
+                let load = self.load.along_axes(&common);
+                let most = self.axes.across_of(self.affordable(&load).min(left));
+                shared = (shared * 99).div_ceil(70).min(most);
                 if shared == 0 {
                     return Ok(passed);
                 }
                 left -= self.axes.rays(shared);
-                self.round(&common, shared, |region| open[region], results)?;
+                self.round(&common, &load, shared, |region| open[region], results)?;
                 listed.iter().for_each(|&region| {
                     passed[region] += surely_inside(&boxes[region], &common, self.axes.least(shared))
                 });
             } else {
-                alone = (alone * 99).div_ceil(70).min(self.axes.across_of(left / listed.len() as u64));
+                let load_of = |region: usize| loads.as_ref().map_or(in_whole, |loads| loads[region]);
+                let reached: f64 = listed
+                    .iter()
+                    .map(|&region| self.axes.mean(&load_of(region).map(|load| load.max(1.0))))
+                    .sum();
+                let affordable = if self.left == u64::MAX { f64::MAX } else { self.left as f64 / reached };
+                let most = self.axes.across_of((affordable as u64).min(left / listed.len() as u64));
+                alone = (alone * 99).div_ceil(70).min(most);
                 if alone == 0 {
                     return Ok(passed);
                 }
                 for &region in &listed {
                     left -= self.axes.rays(alone);
                     passed[region] += 6 * self.axes.least(alone).pow(2);
-                    self.round(&boxes[region], alone, |own| own == region, results)?;
+                    self.round(&boxes[region], &load_of(region), alone, |own| own == region, results)?;
                 }
             }
         }
@@ -451,16 +498,18 @@ impl<E: Evaluator> Run<'_, E> {
         self.is_reached(joined) && (is_met || spent > 0)
     }
 
-    /// Traces rays along all three axes through a box, for some of the regions; `across` is the largest number of cells along an edge.
+    /// Traces rays along all three axes through a box, for some of the regions; `load` is the number of shapes that each reaches, and
+    /// `across` the largest number of cells along an edge.
     fn round(
         &mut self,
         bounds: &Bounds,
+        load: &[f64; 3],
         across: u64,
         is_wanted: impl Fn(usize) -> bool,
         results: &mut [Joined],
     ) -> Result<(), MeasureError> {
         let mut tallies: BTreeMap<usize, Tally> = BTreeMap::new();
-        let mut density = 0.0;
+        let (mut density, mut crossings) = (0.0, 0);
         for axis in 0..3 {
             self.streams += 1;
             let cells = Cells {
@@ -473,13 +522,19 @@ impl<E: Evaluator> Run<'_, E> {
             };
             density += 1.0 / cells.area();
             let area = cells.area();
-            for (region, tally) in self.cells(&cells)? {
+            let (sums, crossed) = self.cells(&cells)?;
+            crossings += crossed;
+            for (region, tally) in sums {
                 let region = region.index() - 1;
                 if is_wanted(region) {
                     // the mean of three estimates of the volume, and the sum of three shares of the boundary
                     tallies.entry(region).or_default().add(&tally, area / 3.0, area);
                 }
             }
+        }
+        if self.left != u64::MAX {
+            // most shapes are crossed twice; rays in the box of a region may reach more than the load, that of the whole model
+            self.left = self.left.saturating_sub(self.axes.reached(load, across).max(crossings / 2));
         }
         // the variance decreases as the power -3/2 of the number of cells
         let (weight, rays) = (density * density.sqrt(), self.axes.rays(across));
@@ -495,9 +550,9 @@ impl<E: Evaluator> Run<'_, E> {
         Ok(())
     }
 
-    /// The sums over all cells along one axis, for cells of area 1.
-    fn cells(&mut self, cells: &Cells) -> Result<Sums, MeasureError> {
-        let (count, mut sums) = (cells.count(), Sums::new());
+    /// The sums over all cells along one axis, for cells of area 1, and the number of crossings.
+    fn cells(&mut self, cells: &Cells) -> Result<(Sums, u64), MeasureError> {
+        let (count, mut sums, mut crossings) = (cells.count(), Sums::new(), 0);
         let (evaluator, traced, progress) = (self.evaluator, &mut self.traced, &mut self.progress);
         let precision = self.reached.iter().copied().fold(0.0, f64::max);
         let tasks = (0..count.div_ceil(CELLS_PER_TASK))
@@ -506,8 +561,9 @@ impl<E: Evaluator> Run<'_, E> {
             cells.rays(range, batch);
             (batch.len() as u64, cells.trace(evaluator, batch, scratch))
         };
-        let merge = |(rays, found): (u64, Sums)| {
+        let merge = |(rays, (found, crossed)): (u64, (Sums, u64))| {
             *traced += rays;
+            crossings += crossed;
             progress(MeasureProgress { rays: *traced, precision });
             for (region, tally) in found {
                 sums.entry(region).or_default().add(&tally, 1.0, 1.0);
@@ -523,6 +579,6 @@ impl<E: Evaluator> Run<'_, E> {
             },
         )?;
         sums.retain(|region, _| *region != RegionId(0));
-        Ok(sums)
+        Ok((sums, crossings))
     }
 }

@@ -77,7 +77,7 @@ pub struct Diff {
     #[arg(long, value_name = "C", default_value_t = 0.99)]
     confidence: f64,
 
-    /// Trace at most this many rays for a volume [default: 2^20, fewer if they would reach more than 2^24 shapes]
+    /// Trace at most this many rays for a volume [default: 2^20, fewer if all rays would reach more than 2^23 shapes]
     #[arg(long, value_name = "N", value_parser = crate::arguments::any_count::<u64>)]
     rays: Option<u64>,
 
