@@ -1,8 +1,8 @@
-//! Corners between two scan lines, from the planes of the faces that they cross.
+//! Corners between two scan lines, from the surfaces of the faces that they cross.
 
 use super::Cut;
 use super::scan_line::{ScanCrossing, ScanLine};
-use rayweave_math::{Transform, UNIT_ROUNDOFF};
+use rayweave_math::{Affine, Transform, UNIT_ROUNDOFF, Vec3};
 use rayweave_model::{Face, Program};
 use rayweave_shape::surface::Surface;
 
@@ -18,6 +18,9 @@ const FARTHEST: f64 = 1e-9;
 
 /// The most corners for each gap; further ones are found in the gaps between them.
 const MAX_CORNERS: usize = 256;
+
+/// The most steps of Newton's method to the common point of two curves, each of which doubles the number of correct digits.
+const STEPS: usize = 12;
 
 /// Finds corners of a section.
 pub struct Corners<'a> {
@@ -46,7 +49,11 @@ impl Corners<'_> {
             let ends = a.iter().zip(b).chain(a.iter().rev().zip(b.iter().rev()));
             let pairs = a.windows(2).map(meeting).chain(b.windows(2).map(meeting));
             let pairs = pairs.chain(ends.map(|(a, b)| [*a, *b]));
-            found.extend(pairs.filter_map(|[a, b]| self.corner(a.face?, b.face?)));
+            let middle = 0.5 * (left.u + right.u);
+            found.extend(pairs.filter_map(|[a, b]| {
+                self.corner(a.face?, b.face?)
+                    .or_else(|| self.curved_corner(a.face?, b.face?, [middle, 0.5 * (a.v + b.v)]))
+            }));
         }
         found.retain(|[from, to]| left.u < *from && *to < right.u);
         found.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -70,6 +77,44 @@ impl Corners<'_> {
         let apart = determinant / (b * e);
         let aside = self.narrow.max(WELDED * self.size / apart.abs());
         (u.is_finite() && aside <= FARTHEST * self.size).then_some([u - aside, u + aside])
+    }
+
+    /// Like [`corner`](Self::corner) of faces that are not both flat: the common point of their curves that Newton's method reaches from
+    /// a point.
+    fn curved_corner(&self, one: Face, two: Face, from: [f64; 2]) -> Option<[f64; 2]> {
+        let curves = [self.curve(one)?, self.curve(two)?];
+        let [origin, across, up] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|place| self.cut.point(place));
+        let [across, up] = [across - origin, up - origin];
+        let mut place = from;
+        for _ in 0..STEPS {
+            let point = self.cut.point(place);
+            let [[f, a, b], [g, c, d]] = curves.map(|(surface, local_from_world)| {
+                let (value, gradient) = surface.value_and_gradient(local_from_world.point(point));
+                let along = |way: Vec3| gradient.dot(local_from_world.vector(way));
+                [value, along(across), along(up)]
+            });
+            let determinant = a * d - b * c;
+            let step = [(f * d - b * g) / determinant, (a * g - c * f) / determinant];
+            if !step.iter().all(|x| x.is_finite()) {
+                return None;
+            }
+            place = [place[0] - step[0], place[1] - step[1]];
+            // the error of the next step, its square, is below rounding
+            if step.iter().all(|x| x.abs() <= FARTHEST * self.size) {
+                let apart = determinant / (b * d);
+                let aside = self.narrow.max(WELDED * self.size / apart.abs());
+                return (aside <= FARTHEST * self.size).then_some([place[0] - aside, place[0] + aside]);
+            }
+        }
+        None
+    }
+
+    /// The surface of a face, and the map of the world to its frame.
+    fn curve(&self, face: Face) -> Option<(&Surface, Affine)> {
+        let map = self.program.placement(face.placement).0;
+        let surface = &self.program.surface(face.surface).surface;
+        // the equation of an object, such as a mesh, is not that of the surface through a crossing
+        (!matches!(surface, Surface::Object(_))).then_some((surface, map.inverse().ok()?))
     }
 
     fn line(&self, face: Face) -> Option<Line> {

@@ -93,12 +93,10 @@ pub fn section_with<E: Evaluator>(
     let mut section = Section::default();
     let mut scan_lines = ScanLines::new(evaluator, cut, window, run);
     let mut lines = link::Lines::new(window);
-    for step in scan_lines.swept()? {
-        match step {
-            Step::Smooth(column) => lines.go_on(&column, &mut section.edges),
-            Step::Jump(column) => lines.jump(&column, &mut section.edges),
-        }
-    }
+    scan_lines.sweep(|step| match step {
+        Step::Smooth(column) => lines.go_on(&column, &mut section.edges),
+        Step::Jump(column) => lines.jump(&column, &mut section.edges),
+    })?;
     lines.end(&mut section.edges);
     Ok(section)
 }

@@ -28,6 +28,10 @@ fn memory(scan_line: &ScanLine) -> u64 {
     (size_of::<Placed>() + size_of_val(scan_line.passes.as_slice())) as u64
 }
 
+fn size_of_row(row: &[Placed]) -> u64 {
+    row.iter().map(|placed| memory(&placed.scan_line)).sum()
+}
+
 #[derive(Clone, Copy, PartialEq)]
 enum Gap {
     Unknown,
@@ -44,6 +48,10 @@ const FINEST: f64 = 1e-13;
 /// Scan lines per batch.
 const CHUNK: usize = 1024;
 
+/// The memory in bytes from which on a row of scan lines is divided, and the largest number of its scan lines before they are refined.
+const ROW_MEMORY: u64 = 48 << 20;
+const FIRST_ROW: usize = 1 << 14;
+
 /// The scan lines of one section.
 pub struct ScanLines<'a, E: Evaluator> {
     evaluator: &'a E,
@@ -53,9 +61,11 @@ pub struct ScanLines<'a, E: Evaluator> {
     run: &'a SectionRun,
     /// The width of a gap that holds a jump: its position is that of corners and of edges along the scan lines.
     finest: f64,
-    /// The size of all scan lines so far, in bytes.
+    /// The size of the scan lines that are kept, in bytes.
     bytes: u64,
     growth: Growth,
+    /// The memory in bytes from which on a row of scan lines is divided.
+    row_memory: u64,
 }
 
 impl<'a, E: Evaluator> ScanLines<'a, E> {
@@ -68,29 +78,69 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         let (scratch, growth) = (evaluator.scratch(), Growth::default());
         // a few hundred roundings of the coordinates
         let finest = FINEST * window.lo[0].abs().max(window.hi[0].abs());
-        ScanLines { evaluator, scratch, cut, window, run, finest, bytes: 0, growth }
+        ScanLines { evaluator, scratch, cut, window, run, finest, bytes: 0, growth, row_memory: ROW_MEMORY }
     }
 
-    /// Traces and refines all scan lines; returns them from left to right.
-    pub fn swept(&mut self) -> Result<Vec<Step>, SectionError> {
-        let places = self.first_places();
-        let scan_lines = self.trace_scan_lines(&places)?;
-        let mut row: Vec<Placed> =
-            scan_lines.into_iter().map(|scan_line| Placed { scan_line, gap: Gap::Unknown }).collect();
-        while row.len() < MAX_COLUMNS && self.halve(&mut row)? {}
-        // at the limit, an open gap is harmless if it is within the tolerance
-        let is_wide = |pair: &[Placed]| {
-            pair[0].gap == Gap::Unknown && pair[1].scan_line.u - pair[0].scan_line.u > self.window.tolerance
-        };
-        if row.windows(2).any(is_wide) {
-            return Err(SectionError::TooManyScanLines { limit: MAX_COLUMNS });
-        }
-        let mut gap = Gap::Jump;
-        let mut step = |placed: Placed| {
+    /// Traces and refines all scan lines, and passes them on from left to right. Gaps are refined independently: a row of scan lines that
+    /// takes too much memory is divided, and its right half waits.
+    pub fn sweep(&mut self, mut take: impl FnMut(Step)) -> Result<(), SectionError> {
+        let (mut places, mut count, mut gap) = (self.first_places(), 0, Gap::Jump);
+        let mut pass_on = |placed: Placed| {
             let before = std::mem::replace(&mut gap, placed.gap);
-            if before == Gap::Smooth { Step::Smooth(placed.scan_line) } else { Step::Jump(placed.scan_line) }
+            take(match before {
+                Gap::Smooth => Step::Smooth(placed.scan_line),
+                _ => Step::Jump(placed.scan_line),
+            });
         };
-        Ok(row.into_iter().map(&mut step).collect())
+        places.reverse();
+        let mut waiting: Vec<Vec<Placed>> = Vec::new();
+        let mut last: Option<Placed> = None;
+        while !(waiting.is_empty() && places.is_empty()) {
+            let mut row = match waiting.pop() {
+                Some(row) => row,
+                None => {
+                    let next = places.split_off(places.len().saturating_sub(FIRST_ROW));
+                    let next: Vec<f64> = next.into_iter().rev().collect();
+                    let unknown = |scan_line| Placed { scan_line, gap: Gap::Unknown };
+                    last.take()
+                        .into_iter()
+                        .chain(self.trace_scan_lines(&next)?.into_iter().map(unknown))
+                        .collect()
+                }
+            };
+            let is_open = |row: &[Placed]| row.iter().rev().skip(1).any(|placed| placed.gap == Gap::Unknown);
+            while count + row.len() < MAX_COLUMNS
+                && (row.len() <= 2 || size_of_row(&row) <= self.row_memory)
+                && self.halve(&mut row)?
+            {}
+            if row.len() > 2
+                && size_of_row(&row) > self.row_memory
+                && is_open(&row)
+                && count + row.len() < MAX_COLUMNS
+            {
+                let right = row.split_off(row.len() / 2);
+                // the gap between both halves belongs to the left one
+                row.push(Placed { scan_line: right[0].scan_line.clone(), gap: Gap::Unknown });
+                waiting.extend([right, row]);
+                continue;
+            }
+            // at the limit, an open gap is harmless if it is within the tolerance
+            let is_wide = |pair: &[Placed]| {
+                pair[0].gap == Gap::Unknown
+                    && pair[1].scan_line.u - pair[0].scan_line.u > self.window.tolerance
+            };
+            if row.windows(2).any(is_wide) {
+                return Err(SectionError::TooManyScanLines { limit: MAX_COLUMNS });
+            }
+            // the last scan line is the first one of the next row
+            let end = row.pop();
+            last = if waiting.is_empty() { end } else { None };
+            count += row.len();
+            row.into_iter().for_each(&mut pass_on);
+            self.bytes = waiting.iter().map(|row| size_of_row(row)).sum();
+        }
+        last.into_iter().for_each(pass_on);
+        Ok(())
     }
 
     /// Evenly spaced positions, and the start, middle and end of each leaf.
@@ -259,4 +309,46 @@ fn scan_line(u: f64, [lo, hi]: [f64; 2], answer: &RayAnswer<'_>) -> ScanLine {
     let last = passes.last().map_or(world, |pass: &ScanCrossing| pass.after);
     passes.extend((last != world).then(|| end(hi, last, world)));
     ScanLine { u, passes }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::counted::Counted;
+    use rayweave_math::Vec3;
+    use rayweave_model::{Program, Solid};
+    use rayweave_shape::primitive::{CentredBox, Primitive, Sphere};
+    use std::sync::Arc;
+
+    /// The same scan lines, whether all are refined together or row by row; the memory of rows stays small.
+    #[test]
+    fn divided_rows_have_the_same_scan_lines() {
+        let ball = Solid::from(Primitive::from(Sphere::new(1.0).unwrap()));
+        let cube = Solid::from(Primitive::from(CentredBox::new(Vec3::splat(1.0)).unwrap())).rotate_z(30.0);
+        let all = Solid::union((0..20).map(|k| {
+            let own = if k % 2 == 0 { &ball } else { &cube };
+            own.translate(Vec3::new(0.7 * f64::from(k % 5), 1.3 * f64::from(k / 5), 0.1 * f64::from(k)))
+        }));
+        let evaluator = Counted::new(Arc::new(Program::compile(&all).unwrap()));
+        let (cut, window) = (
+            Cut::new(Vec3::new(0.0, 0.0, 0.9), Vec3::X, Vec3::Y).unwrap(),
+            SectionWindow::new([-3.0; 2], [7.0; 2]),
+        );
+        let run = SectionRun::default();
+        let swept = |row_memory: u64| {
+            let mut found = Vec::new();
+            let mut lines = ScanLines { row_memory, ..ScanLines::new(&evaluator, &cut, &window, &run) };
+            let take = |step: Step| match step {
+                Step::Smooth(line) => found.push((true, line)),
+                Step::Jump(line) => found.push((false, line)),
+            };
+            lines.sweep(take).unwrap();
+            found
+        };
+        let together = swept(u64::MAX);
+        assert!(together.len() > 1000 && together.iter().any(|(is_smooth, _)| !is_smooth));
+        for row_memory in [0, 2_000, 100_000] {
+            assert!(swept(row_memory) == together, "{row_memory}");
+        }
+    }
 }

@@ -268,15 +268,20 @@ fn refusals() {
     assert!(none.unwrap_err().to_string().contains("Did you mean `ball`?"));
 }
 
-/// A prism over a star with corners at radius 10 and 20 in turn, 1 high.
-fn star(corners: usize) -> String {
+/// The corners of a star at radius 10 and 20 in turn, around a point of the x axis.
+fn corners_of_star(corners: usize, x: f64) -> String {
     let corner = |k: usize| {
         let angle = 2.0 * PI * (k as f64 + 0.3) / corners as f64;
         let radius = if k.is_multiple_of(2) { 10.0 } else { 20.0 };
-        format!("[{:?}, {:?}]", radius * angle.cos(), radius * angle.sin())
+        format!("[{:?}, {:?}]", x + radius * angle.cos(), radius * angle.sin())
     };
     let all: Vec<String> = (0..corners).map(corner).collect();
-    format!("[solid.star]\nextrude = {{ outline = [{}], height = 1 }}", all.join(", "))
+    all.join(", ")
+}
+
+/// A prism over a star, 1 high.
+fn star(corners: usize) -> String {
+    format!("[solid.star]\nextrude = {{ outline = [{}], height = 1 }}", corners_of_star(corners, 0.0))
 }
 
 /// The area of a star is a sum of triangles: 1/2 r R sin(2 pi / n) for each corner. Its corners are exact, and each takes a few scan
@@ -299,6 +304,25 @@ fn corners_of_a_star_take_few_scan_lines() {
     let own = section(&evaluator, &plane, &coarse).unwrap().area(RegionId(1));
     assert!((own - area).abs() < 1e-9 * area, "{own} {area}");
     assert!(rays < 15 * n as u64, "{rays}");
+}
+
+/// The cones of a revolved star meet a plane through the axis in lines; their corners are exact, too.
+#[test]
+fn corners_of_a_revolved_star_take_few_scan_lines() {
+    let n = 400;
+    let text = format!("[solid.star]\nrevolve = {{ outline = [{}] }}", corners_of_star(n, 30.0));
+    let scene = scene(&text);
+    let evaluator = Counted::new(Arc::new(Program::compile_regions(&scene.model_regions()).unwrap()));
+    let plane = "y=0".parse::<SectionPlane>().unwrap().cut().unwrap();
+    let window = SectionWindow::new([-51.0; 2], [51.0; 2]);
+    let found = section(&evaluator, &plane, &window).unwrap();
+    // one star on each side of the axis
+    let area = 2.0 * 0.5 * n as f64 * 200.0 * (2.0 * PI / n as f64).sin();
+    let own = found.area(RegionId(1));
+    assert!((own - area).abs() < 1e-9 * area, "{own} {area}");
+    assert_eq!(found.contours(RegionId(1)).len(), 2);
+    let [rays, _] = evaluator.take();
+    assert!(rays < 30 * n as u64, "{rays}");
 }
 
 /// A solid of revolution with a chamfer at both ends, fillets, a groove and a step.
