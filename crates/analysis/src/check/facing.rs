@@ -9,10 +9,11 @@
 //! shortest way nearby, and rays and points around it verify it.
 
 use super::edges::{Ends, FaceKey, Feature, Grid, Hits, Surfaces, features, regions_at};
+use super::narrow::keep_smallest;
 use super::probe::{Budget, IN_STARTS};
 use super::stratum::{Closest, closest};
 use crate::measure::MeasuredChord;
-use crate::survey::{Across, Faces, span_around};
+use crate::survey::{Across, FACING, Faces, span_around};
 use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3};
 use rayweave_model::{Crossing, Evaluator, Program, Query, RayAnswer, RayBatch, RegionId, attributes};
 use rayweave_shape::Ray;
@@ -34,9 +35,6 @@ const COMPARED_PER_UNIT: u64 = 16;
 /// around both ends.
 const WORK_OF_START: u64 = 300;
 const WORK_OF_VERIFICATION: u64 = 20;
-
-/// The cosine of the angle between a way and a normal up to which a face counts as facing it, as in [`crate::survey::Piece::wall`].
-const FACING: f64 = 0.9;
 
 /// The ends of a shortest way: the region between them, and the regions beyond them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -232,18 +230,8 @@ impl<'p> Search<'p> {
         let beyond = if ends == start.ends { between.beyond } else { [between.beyond[1], between.beyond[0]] };
         let start = Start { ends, between: Between { beyond, ..between }, ..start };
         let kept = self.starts.entry(key).or_default();
-        let is_beside = |known: &Start| (known.ends[0] - start.ends[0]).length() < apart;
-        let at = kept.partition_point(|known| known.length <= start.length);
-        if at == PER_PAIR || kept[..at].iter().any(is_beside) {
-            return;
-        }
-        kept.insert(at, start);
-        let mut number = 0;
-        kept.retain(|known| {
-            number += 1;
-            number <= at + 1 || !is_beside(known)
-        });
-        kept.truncate(PER_PAIR);
+        let is_beside = |a: &Start, b: &Start| (a.ends[0] - b.ends[0]).length() < apart;
+        keep_smallest(kept, start, PER_PAIR, |start| start.length, is_beside);
     }
 
     /// The shortest ways below a limit that depends on the regions, the shortest first.

@@ -60,20 +60,10 @@ impl Narrow {
     /// Adds a candidate, unless a narrower one is beside it.
     fn insert(&mut self, side: Side, new: Candidate) {
         let kept = self.0.entry(side).or_default();
-        let is_beside = |known: &Candidate| {
-            (known.across.middle() - new.across.middle()).length() < 0.5 * known.width.max(new.width)
+        let is_beside = |a: &Candidate, b: &Candidate| {
+            (a.across.middle() - b.across.middle()).length() < 0.5 * a.width.max(b.width)
         };
-        let at = kept.partition_point(|known| known.width <= new.width);
-        if at == PER_SIDE || kept[..at].iter().any(is_beside) {
-            return;
-        }
-        kept.insert(at, new);
-        let mut number = 0;
-        kept.retain(|known| {
-            number += 1;
-            number <= at + 1 || !is_beside(known)
-        });
-        kept.truncate(PER_SIDE);
+        keep_smallest(kept, new, PER_SIDE, |candidate| candidate.width, is_beside);
         if self.0.len() > 2 * MAX_SIDES {
             self.shorten(MAX_SIDES);
         }
@@ -125,6 +115,26 @@ impl Narrow {
         all.sort_by(|a, b| a.width(Faces::Wall).total_cmp(&b.width(Faces::Wall)));
         all
     }
+}
+
+/// Adds an item to a list of the smallest ones, in ascending order, of which none is beside another: of two that are, the smaller one is
+/// kept, and of equal ones the first.
+pub(super) fn keep_smallest<T>(
+    kept: &mut Vec<T>,
+    new: T,
+    most: usize,
+    size: impl Fn(&T) -> f64,
+    is_beside: impl Fn(&T, &T) -> bool,
+) {
+    let at = kept.partition_point(|known| size(known) <= size(&new));
+    if at == most || kept[..at].iter().any(|known| is_beside(known, &new)) {
+        return;
+    }
+    let larger = kept.split_off(at);
+    let apart: Vec<T> = larger.into_iter().filter(|known| !is_beside(known, &new)).collect();
+    kept.push(new);
+    kept.extend(apart);
+    kept.truncate(most);
 }
 
 /// The side of a chord.
