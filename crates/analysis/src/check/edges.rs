@@ -337,6 +337,10 @@ pub(super) fn features<E: Evaluator>(
             }
         }
         // a corner of three faces is an end of the edge of two of them
+        if !edges.is_empty() {
+            left_out += edges.len().saturating_sub(MAX_FACES_OF_CORNERS * MAX_FACES_OF_CORNERS) as u64;
+            left_out += near.len().saturating_sub(MAX_FACES_OF_CORNERS) as u64;
+        }
         let mut corners = BTreeSet::new();
         for &(a, b) in edges.iter().take(MAX_FACES_OF_CORNERS * MAX_FACES_OF_CORNERS) {
             for &c in near.iter().take(MAX_FACES_OF_CORNERS) {
