@@ -270,6 +270,8 @@ fn label(solid: &Solid) -> String {
         match solid.node() {
             Node::Named(name, _) => return name.to_string(),
             Node::Transformed(_, inner) | Node::Placed(inner, _) => solid = inner,
+            // boxes have two names in model files, and a third one in those of OpenSCAD
+            Node::Primitive(Primitive::BoxFromCorners(_)) => return "a box".to_owned(),
             Node::Primitive(primitive) => return with_article(primitive.name()),
             Node::Union(_) => return "a union".to_owned(),
             Node::Intersection(_) => return "an intersection".to_owned(),
