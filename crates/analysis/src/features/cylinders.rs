@@ -3,7 +3,7 @@
 use super::spans::{Spans, spans_along};
 use crate::distance::world_surfaces;
 use rayweave_math::{Bounds, Vec3};
-use rayweave_model::{Evaluator, RayBatch};
+use rayweave_model::{Evaluator, RayBatch, SurfaceEntry};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{Cylinder, Surface};
 use std::f64::consts::TAU;
@@ -59,7 +59,8 @@ impl CylindricalFace {
 pub struct CylindricalFaces {
     /// The faces, the largest radius first.
     pub faces: Vec<CylindricalFace>,
-    /// The number of cylinders that were not examined, since there are more than [`MAX_CYLINDERS`](CylindricalFaces::MAX_CYLINDERS).
+    /// The number of cylinders that were not examined, since there are more than [`MAX_CYLINDERS`](CylindricalFaces::MAX_CYLINDERS), or
+    /// more than a million surfaces of any kind.
     pub left_out: usize,
 }
 
@@ -105,7 +106,12 @@ pub fn cylindrical_faces<E: Evaluator>(evaluator: &E) -> CylindricalFaces {
     if bounds.is_empty() || !bounds.is_finite() {
         return CylindricalFaces::default();
     }
-    let surfaces = world_surfaces(program).unwrap_or_default();
+    let Some(surfaces) = world_surfaces(program) else {
+        // those of placed solids count once
+        let is_cylinder = |entry: &&SurfaceEntry| matches!(entry.surface, Surface::Cylinder(_));
+        let left_out = program.surfaces().iter().filter(is_cylinder).count();
+        return CylindricalFaces { faces: Vec::new(), left_out };
+    };
     let cylinders = surfaces.into_iter().filter_map(|surface| match surface {
         Surface::Cylinder(cylinder) => Some(cylinder),
         _ => None,
