@@ -13,6 +13,9 @@ pub struct RayLoad {
     boxes: Vec<(Bounds, f64)>,
 }
 
+/// The number of gates above a leaf whose updates take as long as intersecting a leaf.
+const GATES_PER_LEAF: f64 = 16.0;
+
 /// The most leaves of a group of which each box counts; a ray through a larger group counts as one leaf.
 const MOST_LEAVES: usize = 1 << 22;
 
@@ -55,6 +58,15 @@ impl Program {
             }
             last = placed;
         }
+    }
+
+    /// The mean work of a ray for a leaf that it reaches, in units of that for a leaf alone: changes of leaves below many operators, such
+    /// as the edges of a large outline, take several times as long.
+    ///
+    /// Computed on each call, in time linear in the size of the model.
+    pub fn work_per_leaf(&self) -> f64 {
+        let depths = self.prototypes().iter().map(|group| group.network.mean_depth());
+        1.0 + depths.fold(0.0, f64::max) / GATES_PER_LEAF
     }
 
     fn boxes_of_leaves(&self, group: usize, loads: &[Option<f64>]) -> Vec<(Bounds, f64)> {
@@ -165,6 +177,18 @@ mod tests {
         assert!(along.iter().zip(expected).all(|(own, sum)| (own - sum).abs() < 1e-6), "{along:?}");
         let flat = Bounds::new(Vec3::new(-1.0, -1.0, 0.0), Vec3::new(397.0, 1.0, 0.0));
         assert!((load(&row, &flat) - across).abs() < 1e-6, "{}", load(&row, &flat));
+    }
+
+    /// A chain of 32 operators has 17 of them above a leaf on average.
+    #[test]
+    fn leaves_below_many_operators_take_more_work() {
+        let work = |solid: &Solid| Program::compile(solid).unwrap().work_per_leaf();
+        assert_eq!(work(&cube()), 1.0);
+        let chain = (0..32).fold(cube(), |all, k| {
+            let own = cube().translate([0.01 * f64::from(k + 1), 0.0, 0.0]);
+            if k % 2 == 0 { all | own } else { all & own }
+        });
+        assert!((work(&chain) - (1.0 + 560.0 / 33.0 / 16.0)).abs() < 1e-9, "{}", work(&chain));
     }
 
     #[test]

@@ -92,7 +92,7 @@ class Check(Tabular):
     scope: dict[str, float]
     """Numbers of rays, of their chords in regions, and of pairs, and the lengths below which walls and gaps are reported.
     `cells` and `cells_in_regions` are the cells along an edge of the model and of the box of each region: fewer than
-    requested where the mean number of shapes that a ray reaches, `reached`, exceeds 64."""
+    requested where the mean number of shapes that a ray reaches, `reached`, exceeds 32."""
 
     def of(self, kind: str) -> tuple[Finding, ...]:
         """The findings of a kind."""
@@ -166,7 +166,7 @@ def check(
     distance
         Overlaps deeper than this length are reported; 1e-9 of the diagonal of the model.
     cells
-        Cells along each edge of a cross-section of the model, one ray for each cell; fewer where a ray reaches more than 64 shapes
+        Cells along each edge of a cross-section of the model, one ray for each cell; fewer where a ray reaches more than 32 shapes
         on average.
     confidence
         The confidence level of volumes.

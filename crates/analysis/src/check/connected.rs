@@ -5,20 +5,20 @@
 //! only where no ray of the grid and none of those lines passes: by a bridge or an opening thinner than the distance of the rays.
 
 use super::nearest::Nearest;
-use super::probe::Probe;
+use super::probe::{IN_GRID, IN_JOINS, Probe};
 use super::{Finding, FindingKind};
 use crate::AnalysisError;
 use crate::error::Cancelled;
 use crate::measure::MeasuredChord;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::drive::Cancel;
-use rayweave_model::{Crossing, Evaluator, Face, Query, RayAnswer, RayBatch, RegionId};
+use rayweave_model::{Crossing, Evaluator, Face, Query, RayAnswer, RayBatch, RegionId, attributes};
 use rayweave_shape::Ray;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 /// Models with more regions are not examined: in detectors, separate pieces are the usual case.
-const MAX_REGIONS: usize = 32;
+const MAX_REGIONS: u64 = 32;
 
 /// The greatest number of rays along each side of the grid.
 const MAX_ACROSS: usize = 96;
@@ -34,14 +34,21 @@ const LEAST_CHORDS: usize = 3;
 const MAX_PIECES: usize = 200;
 const MAX_RAYS: u64 = 1 << 17;
 
-/// The most chords of the grid: a model with more is examined with fewer rays.
+/// The most chords of the grid, for parts of differences and for checks: a model with more is examined with fewer rays.
 const MAX_CHORDS: usize = 1 << 21;
+const MAX_CHORDS_OF_CHECK: usize = 1 << 19;
+
+/// A grid with fewer rays along each side than this shows too little of a part to report anything.
+const LEAST_USEFUL: usize = 16;
 
 /// The number of rays along each side of the grid that is reduced no further.
 const LEAST_ACROSS: usize = 8;
 
-/// Halvings of the distance between two chords of a thin wall.
+/// Halvings of the distance between two chords of a thin wall, between parallel rays and along the wall. A straight line of length L
+/// leaves a wall of thickness d and radius of curvature R if L^2 > 8 R d: for a wall of 1e-6 R that is 2.8e-3 R, and 256 lines
+/// cover 0.7 R.
 const HALVINGS: usize = 6;
+const HALVINGS_ALONG: usize = 8;
 
 /// The number of chords of a piece, and of chords near each of them, that are tried to be joined by straight lines.
 const TRIED: usize = 12;
@@ -73,6 +80,12 @@ impl Chord {
     /// True if both chords lie between the same two faces, as in a thin wall.
     fn has_faces_of(&self, other: &Chord) -> bool {
         self.region == other.region && self.faces == other.faces && self.faces[0].is_some()
+    }
+
+    /// True if both chords lie between the same two faces, in either direction.
+    fn is_in_wall_of(&self, other: &Chord) -> bool {
+        let [a, b] = other.faces;
+        self.has_faces_of(other) || self.region == other.region && self.faces == [b, a] && b.is_some()
     }
 
     fn measured(&self) -> MeasuredChord {
@@ -117,22 +130,37 @@ struct Chords<'a, E: Evaluator> {
     compared: u64,
 }
 
-/// Findings about pieces and cavities of the regions with these names.
+/// Findings about pieces and cavities of the regions with these names; `leaves` is the work of a ray, in units of that for a leaf.
 pub fn findings<E: Evaluator>(
     names: &[&str],
     evaluator: &E,
+    leaves: u64,
     probe: &mut Probe<'_, E>,
 ) -> Result<Vec<Finding>, AnalysisError> {
-    if names.len() > MAX_REGIONS || probe.frame.is_empty() || !probe.frame.is_finite() {
+    if probe.frame.is_empty() || !probe.frame.is_finite() {
         return Ok(Vec::new());
     }
-    let across = (probe.settings.across as usize).min(MAX_ACROSS);
+    // outside of the sampled box there is nothing to examine
+    let regions = evaluator.program().region_bounds().iter().filter(|own| !own.is_empty()).count() as u64;
+    if regions > MAX_REGIONS {
+        (probe.scope.cavities_left_out, probe.scope.pieces_left_out) = (true, regions);
+        return Ok(Vec::new());
+    }
+    let (leaves, most_across) = (leaves.max(1), (probe.settings.across as usize).min(MAX_ACROSS));
+    // rays along three axes
+    let affordable = (IN_GRID / (3 * leaves)).isqrt() as usize;
+    if affordable < LEAST_USEFUL.min(most_across) {
+        (probe.scope.cavities_left_out, probe.scope.pieces_left_out) = (true, regions);
+        return Ok(Vec::new());
+    }
+    let across = most_across.min(affordable);
+    let most_rays = MAX_RAYS.min(IN_JOINS / leaves);
     let cancel = &probe.settings.cancel;
-    let mut found = Chords::of_grid(evaluator, probe.frame, across, MAX_CHORDS, cancel)?;
+    let mut found = Chords::of_grid(evaluator, probe.frame, across, MAX_CHORDS_OF_CHECK, cancel)?;
     found.join_at_crossings();
     // the space around the regions first: a region whose pieces need too many rays does not hide a cavity
-    let (cavities, space_left_out) = found.search(names, true, MAX_RAYS, cancel)?;
-    let (loose, pieces_left_out) = found.search(names, false, MAX_RAYS, cancel)?;
+    let (cavities, space_left_out) = found.search(names, true, most_rays, cancel)?;
+    let (loose, pieces_left_out) = found.search(names, false, most_rays, cancel)?;
     probe.scope.rays += found.rays;
     (probe.scope.cavities_left_out, probe.scope.pieces_left_out) = (space_left_out > 0, pieces_left_out);
     Ok([cavities, loose].concat())
@@ -441,6 +469,43 @@ impl<'a, E: Evaluator> Chords<'a, E> {
         })
     }
 
+    /// True if a line within the region joins the middles of two chords or, between the same two faces, a sequence of lines between
+    /// the middles of chords along the wall.
+    fn are_in_one_wall(&mut self, one: &Chord, two: &Chord, halvings: usize) -> bool {
+        if self.is_within(one.middle(), two.middle(), one.region) {
+            return true;
+        }
+        if halvings == 0 || !one.is_in_wall_of(two) || self.has_given_up() {
+            return false;
+        }
+        self.between(one, two).is_some_and(|between| {
+            self.are_in_one_wall(one, &between, halvings - 1)
+                && self.are_in_one_wall(&between, two, halvings - 1)
+        })
+    }
+
+    /// A chord of the wall of two others between them, across the wall.
+    fn between(&mut self, one: &Chord, two: &Chord) -> Option<Chord> {
+        let (from, to) = (one.middle(), two.middle());
+        let evaluator = self.evaluator;
+        let program = evaluator.program();
+        let across = |chord: &Chord| {
+            let face = chord.faces[0]?;
+            let normal = attributes::world_gradient(program, &chord.ray, face, chord.from).try_normalize()?;
+            Some(if normal.dot(chord.ray.direction) < 0.0 { -normal } else { normal })
+        };
+        let (mut first, second) = (across(one)?, across(two)?);
+        if one.faces != two.faces {
+            first = -first;
+        }
+        let ray = Ray::new(0.5 * (from + to), (first + second).try_normalize()?);
+        let far = (to - from).length();
+        let near = |own: &Chord| (own.from + own.to).abs();
+        let found = self.along(&[ray], one.area, [-far, far]).into_iter().flatten();
+        let found = found.filter(|own| own.is_in_wall_of(one));
+        found.min_by(|a, b| near(a).total_cmp(&near(b)))
+    }
+
     /// True if the line between two points stays in a region.
     fn is_within(&mut self, from: Vec3, to: Vec3, region: RegionId) -> bool {
         self.rays += 1;
@@ -510,8 +575,8 @@ impl<'a, E: Evaluator> Chords<'a, E> {
         let chord = self.chords[own as usize];
         let set = self.sets.of(own);
         for other in nearest.outside(chord.middle(), set, TRIED, |k| self.sets.of(k)) {
-            if self.sets.of(other) != self.sets.of(own)
-                && self.is_within(chord.middle(), self.chords[other as usize].middle(), chord.region)
+            let near = self.chords[other as usize];
+            if self.sets.of(other) != self.sets.of(own) && self.are_in_one_wall(&chord, &near, HALVINGS_ALONG)
             {
                 self.sets.join(own, other);
             }

@@ -49,6 +49,14 @@ fn thin_parts_are_one_piece() {
     assert_eq!(texts(&region(plate, "p"), FindingKind::Loose), [""; 0]);
     let pipe = "[solid.p]\ntube = { outer_radius = 5, inner_radius = 4.97, height = 20 }\ntransform = [{ rotate_x = 33 }, { rotate_y = 27 }, { rotate_z = 11 }]";
     assert_eq!(texts(&region(pipe, "p"), FindingKind::Loose), [""; 0]);
+    // as thin as 2e-4 of the distance of the rays
+    let pipe = "[solid.o]\ncylinder = { radius = 5, height = 20 }\n[solid.i]\ncylinder = { radius = 4.9998, height = 30 }\n\
+        [solid.room]\nbox = { size = 100 }";
+    let model = format!(
+        "{}\ntransform = [{{ translate = [0, 25, 0] }}]\n[[region]]\nsolid = \"room\"\n[[region]]\nsolid = \"part\"",
+        region(pipe, "o - i").replace("\n[[region]]\nsolid = \"part\"", "")
+    );
+    assert_eq!(texts(&model, FindingKind::Loose), [""; 0]);
     let ring = "[solid.p]\ntorus = { major = 5, minor = 0.1 }\ntransform = [{ rotate_x = 33 }, { rotate_y = 27 }, { rotate_z = 11 }]";
     assert_eq!(texts(&region(ring, "p"), FindingKind::Loose), [""; 0]);
 }

@@ -17,8 +17,29 @@ struct Common {
     deepest: Thickest,
     /// Pairs of parts.
     count: usize,
-    /// The intersection of each pair of parts.
-    solids: Vec<Solid>,
+    /// The intersections of pairs of parts.
+    parts: Vec<CommonPart>,
+}
+
+/// The intersection of two parts, with its box and the number of its search.
+struct CommonPart {
+    solid: Solid,
+    bounds: Bounds,
+    search: u64,
+}
+
+impl Common {
+    /// Searches the deepest place with all rays; before, a few rays have shown that there is one.
+    fn deepen<E: Evaluator>(&mut self, probe: &mut Probe<'_, E>) -> Result<(), AnalysisError> {
+        let mut deepest: Option<Thickest> = None;
+        for CommonPart { solid, bounds, search } in &self.parts {
+            let met = probe.with_numbers_of(*search, |probe| probe.is_there(solid, bounds, FEW))?;
+            let is_deeper = |met: &Thickest| deepest.is_none_or(|best| met.thickness > best.thickness);
+            deepest = met.filter(is_deeper).or(deepest);
+        }
+        self.deepest = deepest.unwrap_or(self.deepest);
+        Ok(())
+    }
 }
 
 /// The maximum number of pairs of parts of two regions whose volumes are added; further pairs are only counted.
@@ -39,7 +60,7 @@ pub fn intersecting<E: Evaluator>(
 ) -> Result<Intersecting, AnalysisError> {
     let parts = parts(subject.regions, &subject.boxes)?;
     let mut found = Intersecting { overlaps: Vec::new(), pairs: HashSet::new() };
-    for ((a, b), common) in common(subject, &parts, probe)? {
+    for ((a, b), mut common) in common(subject, &parts, probe)? {
         let leaves = [a, b].map(|region| leaves_of(&subject.regions[region].solid));
         let leaves = leaves[0].saturating_add(leaves[1]);
         if a != b && !probe.in_findings.affords(2 * rays_of(2 * FEW), leaves) {
@@ -47,6 +68,7 @@ pub fn intersecting<E: Evaluator>(
             continue;
         }
         if a == b || !is_nested(subject, a, b, probe)? {
+            common.deepen(probe)?;
             found.overlaps.push(overlap(subject, a, b, &common, probe)?);
         }
         if a != b {
@@ -86,16 +108,17 @@ fn common<E: Evaluator>(
         let (first, second) = (&parts[k], &parts[j]);
         let both = &first.solid & &second.solid;
         probe.begin(rays_of(FEW));
-        let met = probe.independent(|probe| Ok(probe.is_there(&both, &bounds, FEW)?.into()))?;
+        let search = probe.next_search;
+        let met = probe.independent(|probe| Ok(probe.is_anywhere(&both, &bounds, FEW)?.into()))?;
         let Outcome::Found(deepest) = met else { continue };
         let pair = (first.region.min(second.region), first.region.max(second.region));
-        let common = found.entry(pair).or_insert(Common { deepest, count: 0, solids: Vec::new() });
+        let common = found.entry(pair).or_insert(Common { deepest, count: 0, parts: Vec::new() });
         common.count += 1;
         if deepest.thickness > common.deepest.thickness {
             common.deepest = deepest;
         }
-        if common.solids.len() < MAX_SOLIDS {
-            common.solids.push(both);
+        if common.parts.len() < MAX_SOLIDS {
+            common.parts.push(CommonPart { solid: both, bounds, search });
         }
     }
     Ok(found)
@@ -152,10 +175,11 @@ fn overlap<E: Evaluator>(
             format!("{first} and {second} overlap in {n} places; {second}, the later one, has priority")
         }
     };
-    let leaves = common.solids.iter().map(leaves_of).fold(0, u64::saturating_add);
-    let is_complete = common.solids.len() == common.count;
+    let solids = || common.parts.iter().map(|part| &part.solid);
+    let leaves = solids().map(leaves_of).fold(0, u64::saturating_add);
+    let is_complete = common.parts.len() == common.count;
     let volume = match is_complete && probe.in_findings.affords(VOLUME_RAYS, leaves) {
-        true => probe.volume(&Solid::union(common.solids.iter().cloned()))?,
+        true => probe.volume(&Solid::union(solids().cloned()))?,
         false => None,
     };
     let names = if a == b { vec![first] } else { vec![first, second] };

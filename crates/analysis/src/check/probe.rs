@@ -19,6 +19,9 @@ const MAX_CANDIDATES: usize = 256;
 /// Number of cells along an edge of the cross-section of the box of a small part.
 pub const FEW: u32 = 10;
 
+/// The same for a first look.
+const FEWER: u32 = 4;
+
 /// The work that all searches of one kind may take: a constant, and more for each pair of [`CheckSettings::most_pairs`]. It is counted
 /// in rays times leaves that each may cross, and two for the search itself. All pairs of simple parts stay below it; a few thousand
 /// operands of one union that all overlap do not. Volumes of findings take far more rays than searches.
@@ -28,9 +31,14 @@ const IN_FINDINGS: [u64; 2] = [4_000_000, 500];
 
 /// The work of the searches for walls and gaps in the same unit: at faces, at edges with rays through the whole model and with those
 /// through the boxes of all regions, and from the places to start from. It does not grow with the number of pairs.
-const IN_WALLS: u64 = 12_000_000;
-pub const IN_EDGES: u64 = 12_000_000;
-pub const IN_STARTS: u64 = 8_000_000;
+const IN_WALLS: u64 = 4_000_000;
+pub const IN_EDGES: u64 = 4_000_000;
+pub const IN_STARTS: u64 = 4_000_000;
+
+/// The work of the rays of the grid that shows separate pieces and cavities, and of those that join its chords, for pieces and for
+/// cavities.
+pub const IN_GRID: u64 = 4_000_000;
+pub const IN_JOINS: u64 = 4_000_000;
 
 /// The most rays of a volume, and their usual number, for estimates of the work.
 const MOST_VOLUME_RAYS: u64 = 1 << 16;
@@ -184,8 +192,15 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         (self.progress)(CheckProgress { rays, done, total });
     }
 
-    /// Runs an independent search, which calls [`survey`](Self::survey) at most once, or takes its result from elsewhere. Its random
-    /// numbers depend on its number only.
+    /// Runs a search with the random numbers of an independent one, whose number is given.
+    pub fn with_numbers_of<T>(&mut self, number: u64, search: impl FnOnce(&mut Self) -> T) -> T {
+        let before = self.stream.replace(STREAMS + number);
+        let found = search(self);
+        self.stream = before;
+        found
+    }
+
+    /// Runs an independent search, or takes its result from elsewhere. Its random numbers depend on its number only.
     pub fn independent(
         &mut self,
         search: impl FnOnce(&mut Self) -> Result<Outcome, AnalysisError>,
@@ -206,9 +221,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
             return Ok(outcome);
         }
         let before = self.scope.rays;
-        self.stream = Some(STREAMS + number);
-        let outcome = search(self);
-        self.stream = None;
+        let outcome = self.with_numbers_of(number, search);
         let (rays, outcome) = (self.scope.rays - before, outcome?);
         if let Work::Range(_, share) = &mut self.work {
             share.add(number, rays, outcome);
@@ -298,6 +311,29 @@ impl<'a, E: Evaluator> Probe<'a, E> {
     ) -> Result<Option<Thickest>, AnalysisError> {
         let met = self.thickest(solid, bounds, across)?;
         Ok(met.filter(|met| met.thickness > self.scope.distance))
+    }
+
+    /// Like [`is_there`](Self::is_there), by a few rays, and by `across` cells only where these find nothing: the place is a deep
+    /// one, but perhaps not the deepest.
+    pub fn is_anywhere(
+        &mut self,
+        solid: &Solid,
+        bounds: &Bounds,
+        across: u32,
+    ) -> Result<Option<Thickest>, AnalysisError> {
+        let program = Program::compile(solid)?;
+        if bounds.intersection(&program.bounds()).is_empty() {
+            return Ok(None);
+        }
+        let evaluator = (self.make)(Arc::new(program))?;
+        let least = self.scope.distance;
+        for across in [FEWER, across] {
+            let met = self.thickest_of_evaluator(&evaluator, bounds, across)?;
+            if met.is_some_and(|met| met.thickness > least) {
+                return Ok(met);
+            }
+        }
+        Ok(None)
     }
 
     /// The volume of a solid in a box, to about 2 %; `None` if it is unbounded there.

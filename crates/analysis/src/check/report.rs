@@ -54,7 +54,8 @@ pub struct Scope {
     pub operands: u64,
     /// Operands beyond the limit, not checked.
     pub operands_left_out: u64,
-    /// Regions whose separate pieces were not counted: that would need too many rays, or there seem to be more than 200.
+    /// Regions whose separate pieces were not counted: that would need too many rays, there seem to be more than 200 pieces, or the model
+    /// has more than 32 regions.
     pub pieces_left_out: u64,
     /// True if closed cavities were not searched to the end, for the same reasons.
     pub cavities_left_out: bool,

@@ -14,7 +14,7 @@ pub struct CheckSettings {
     /// Overlaps no deeper than this count as rounding error; by default 1e-9 of the diagonal.
     pub distance: Option<f64>,
     /// Number of cells n along an edge of the cross-sections of the model. 6 n^2 rays go through the whole model, and
-    /// about as many again through single regions and pairs. Where a ray reaches more than 64 shapes on average, there are fewer
+    /// about as many again through single regions and pairs. Where a ray reaches more than 32 shapes on average, there are fewer
     /// ([`Scope::cells`](super::Scope::cells)).
     pub across: u32,
     /// The level of confidence of volumes.

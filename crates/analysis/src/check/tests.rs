@@ -419,3 +419,26 @@ fn progress_has_a_total() {
         check_share(&scene, None, AnyEvaluator::maker(None), &quick(), 1..2, &mut progress).unwrap();
     assert_eq!((all, seen.first(), seen.last()), (2, Some(&(0, 1)), Some(&(1, 1))));
 }
+
+/// Two balls that overlap are found by the 96 rays of the first look; those with overlapping boxes only take all 600 as well. The depth of a
+/// finding is that of all rays.
+#[test]
+fn overlapping_pairs_take_few_rays() {
+    let ball = |name: &str, at: [f64; 3]| {
+        format!("[solid.{name}]\nsphere = {{ radius = 5 }}\ntransform = [{{ translate = {at:?} }}]\n")
+    };
+    let text = ball("a", [0.0; 3])
+        + &ball("b", [6.0, 0.0, 0.0])
+        + &ball("c", [-6.0, -6.0, -6.0])
+        + "[[region]]\nsolid = \"a\"\n[[region]]\nsolid = \"b\"\n[[region]]\nsolid = \"c\"";
+    let scene = scene(&text);
+    let make = || AnyEvaluator::maker(None);
+    let (share, total) = check_share(&scene, None, make(), &quick(), 0..2, &mut |_| ()).unwrap();
+    let text = share.to_text();
+    let rays: Vec<&str> = text.lines().skip(1).map(|line| line.split(' ').nth(1).unwrap()).collect();
+    assert_eq!((rays, total), (vec!["96", "696"], 2), "{text}");
+    let report = check(&scene, None, make(), &quick(), &mut |_| ()).unwrap();
+    assert_eq!(check_with(&scene, None, make(), &quick(), &share, &mut |_| ()).unwrap(), report);
+    let overlap = report.of(FindingKind::Overlap).next().unwrap();
+    assert!((overlap.size.unwrap() - 4.0).abs() < 0.2, "{overlap:?}");
+}

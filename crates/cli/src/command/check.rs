@@ -70,7 +70,7 @@ pub struct Check {
     #[command(flatten)]
     within: WithinArguments,
 
-    /// Cells along each edge of a cross-section of the model; each cell gets one ray. Fewer where a ray reaches more than 64 shapes on average
+    /// Cells along each edge of a cross-section of the model; each cell gets one ray. Fewer where a ray reaches more than 32 shapes on average
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = crate::arguments::count::<u32, 2, 4096>)]
     cells: u32,
 

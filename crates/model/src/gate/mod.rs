@@ -145,6 +145,14 @@ impl Network {
         self.rules.len()
     }
 
+    /// The mean number of gates above a leaf, which a change of it may update; of several users of a node, the first counts.
+    ///
+    /// Computed on each call, in time linear in the size of the network.
+    pub fn mean_depth(&self) -> f64 {
+        let leaves = gates_above(&self.users, self.leaf_count as usize, self.rules.len());
+        leaves.iter().sum::<u64>() as f64 / (leaves.len() as f64).max(1.0)
+    }
+
     /// Inverts the side of a leaf and updates every node above it.
     pub fn toggle(&self, state: &mut NetworkState, leaf: u32) {
         let inside = &mut state.leaves[leaf as usize];
@@ -236,6 +244,17 @@ impl Network {
             state.waiting.push(Reverse(user >> 1));
         }
     }
+}
+
+/// The number of gates above each leaf, by the first user of each node.
+fn gates_above(users: &Users, leaf_count: usize, gate_count: usize) -> Vec<u64> {
+    let mut above = vec![0u64; leaf_count + gate_count];
+    // users have higher numbers
+    for node in (0..above.len()).rev() {
+        above[node] = users.of(node as u32).first().map_or(0, |user| above[(user >> 1) as usize] + 1);
+    }
+    above.truncate(leaf_count);
+    above
 }
 
 /// Builds a network. Its nodes are the leaves and the joins of the expression that are reachable from an
@@ -334,12 +353,7 @@ impl<'e> Builder<'e> {
 
     /// True if a tree has so many gates above its leaves that heavy paths are faster than counters.
     fn is_deep(&self, users: &Users) -> bool {
-        let mut above = vec![0u64; self.leaf_count as usize + self.gates.len()];
-        // users have higher numbers
-        for node in (0..above.len()).rev() {
-            above[node] = users.of(node as u32).first().map_or(0, |user| above[(user >> 1) as usize] + 1);
-        }
-        let leaves = &above[..self.leaf_count as usize];
+        let leaves = gates_above(users, self.leaf_count as usize, self.gates.len());
         let all: u64 = leaves.iter().sum();
         all > DEEP * leaves.len() as u64 || leaves.iter().any(|&count| count > DEEPEST)
     }
