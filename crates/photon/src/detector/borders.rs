@@ -264,9 +264,7 @@ impl Border {
             return true;
         }
         let paths = [crossing.left, crossing.entered].map(|face| program.occurrence_path(face.occurrence()));
-        let is_on = |placement: &Placement, face: usize| {
-            paths[face].steps().iter().any(|step| placement.is_step(step))
-        };
+        let is_on = |placement: &Placement, face: usize| placement.is_on(paths[face].steps());
         match self.required.as_slice() {
             [front, behind] if self.is_between_copies => is_on(front, 0) && is_on(behind, 1),
             // a mother has no face of its own where its daughter begins

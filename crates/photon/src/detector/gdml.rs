@@ -151,14 +151,42 @@ pub(crate) struct Placement {
     pub repeated: Vec<(i64, u32)>,
     /// The volume in which it is placed; empty in native models.
     pub mother: String,
+    /// What an occurrence path has in front of the placement.
+    pub within: Within,
     /// True for the placement that a border surface finds by the name: the first one in the file, as in Geant4. Copies with
     /// different solids of one replicated volume are one placement.
     pub is_first: bool,
 }
 
+/// The mother of a physical volume in occurrence paths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Within {
+    /// The volume that is placed nowhere: paths begin with its daughters.
+    Top,
+    /// A placed volume.
+    Volume,
+    /// An assembly, or the volumes of a native model: any path.
+    Any,
+}
+
 impl Placement {
-    /// True for a step of an occurrence path that leads through the placement.
-    pub fn is_step(&self, step: &PathStep<'_>) -> bool {
+    /// True if an occurrence path leads through the placement.
+    pub fn is_on(&self, steps: &[PathStep<'_>]) -> bool {
+        steps.iter().enumerate().any(|(k, step)| self.is_step(step) && self.is_within(&steps[..k]))
+    }
+
+    /// True if the steps in front of the placement lead to its mother: volumes in several mothers have equal copies there.
+    fn is_within(&self, outer: &[PathStep<'_>]) -> bool {
+        let mother = outer.iter().rev().find(|step| step.is_placed);
+        match self.within {
+            Within::Any => true,
+            Within::Top => mother.is_none(),
+            Within::Volume => mother.is_some_and(|step| step.name == bare_name(&self.mother)),
+        }
+    }
+
+    /// True for a step that may be the placement.
+    fn is_step(&self, step: &PathStep<'_>) -> bool {
         // the only copy in a mother may have no number
         let copy = step.copy.unwrap_or(0);
         let before =
@@ -209,7 +237,14 @@ pub(super) fn volumes(table: &Datum, scene: &Scene) -> Volumes {
     let rows: Vec<&Datum> = table.list("volume").collect();
     let mut volumes = Volumes::default();
     let by_name: HashMap<&str, &Datum> = rows.iter().map(|row| (row.text("name"), *row)).collect();
+    let daughters = rows.iter().flat_map(|row| row.list("daughters"));
+    let placed: HashSet<&str> = daughters.map(|daughter| daughter.text("volume")).collect();
     for row in &rows {
+        let within = match (numbers.contains_key(row.text("region")), placed.contains(row.text("name"))) {
+            (false, _) => Within::Any,
+            (true, false) => Within::Top,
+            (true, true) => Within::Volume,
+        };
         let regions = numbers.get(row.text("region")).into_iter().flatten();
         volumes.regions.entry(row.text("name").to_owned()).or_default().extend(regions);
         // positions among the copies of the same volume number those without a copy number
@@ -230,7 +265,7 @@ pub(super) fn volumes(table: &Datum, scene: &Scene) -> Volumes {
                 (*before > 1).then_some((copy, *before - 1))
             });
             let repeated = repeated.collect();
-            let mut placement = Placement { volume, copies, repeated, mother, is_first: true };
+            let mut placement = Placement { volume, copies, repeated, mother, within, is_first: true };
             let named = volumes.placements.entry(daughter.text("name").to_owned()).or_default();
             placement.is_first = named.first().is_none_or(|first| placement.is_replica_of(first));
             named.push(placement);

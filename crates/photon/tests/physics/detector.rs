@@ -237,6 +237,56 @@ fn a_border_acts_on_one_placement() {
     }
 }
 
+/// A border between two volumes in one of two mothers acts there alone: both mothers have placements with equal volumes and copy
+/// numbers. A film of 10 mm lies on a slab of 40 mm in a room above and in one below the source.
+#[test]
+fn a_border_acts_in_one_mother() {
+    let placed = |name: &str, volume: &str, z: f64| {
+        format!(
+            r#"<physvol name="{name}"><volumeref ref="{volume}"/><position name="{name}_at" z="{z}" unit="mm"/></physvol>"#
+        )
+    };
+    let volume = |name: &str, material: &str, solid: &str, inner: &str| {
+        format!(
+            r#"<volume name="{name}"><materialref ref="{material}"/><solidref ref="{solid}"/>{inner}</volume>"#
+        )
+    };
+    let own =
+        r#"<physvol name="slab"><volumeref ref="Slab"/><position name="p" z="50" unit="mm"/></physvol>"#;
+    for (place, up, down) in [("u", 100, 0), ("l", 0, 100)] {
+        let rooms: String = [("Upper", "u", 1.0), ("Lower", "l", -1.0)]
+            .map(|(name, place, sign)| {
+                let film = placed(&format!("{place}_film"), "Film", -20.0 * sign);
+                let plate = placed(&format!("{place}_plate"), "Plate", 5.0 * sign);
+                volume(name, "Outer", "Shell", &(film + &plate))
+            })
+            .concat();
+        let inner = volume("Film", "Inner", "FilmBox", "") + &volume("Plate", "Outer", "PlateBox", "");
+        let links = format!(
+            r#"<bordersurface name="b" surfaceproperty="S"><physvolref ref="{place}_film"/><physvolref ref="{place}_plate"/></bordersurface>"#
+        );
+        let text = SlabDetector {
+            surfaces: r#"<opticalsurface name="S" model="unified" finish="polished" type="dielectric_metal" value="1">
+<property name="REFLECTIVITY" ref="ZERO"/><property name="EFFICIENCY" ref="ONE"/></opticalsurface>"#,
+            links: &links,
+            inner: r#"<property name="RINDEX" ref="ONE"/>"#,
+            ..CLEAR
+        };
+        let boxes = r#"<box name="Shell" x="500" y="500" z="60" lunit="mm"/>
+<box name="FilmBox" x="400" y="400" z="10" lunit="mm"/><box name="PlateBox" x="400" y="400" z="40" lunit="mm"/></solids>"#;
+        let both = placed("upper", "Upper", 50.0) + &placed("lower", "Lower", -70.0);
+        let text = text.text().replace("</solids>", boxes).replace(own, &both);
+        let text =
+            text.replace(r#"<volume name="World">"#, &format!(r#"{inner}{rooms}<volume name="World">"#));
+        let detector = detector(&text).unwrap();
+        let detected = |z: f64| {
+            let run = run(&detector, &beam(100, [0.0, 0.0, z], [1.0, 0.0, 0.0]), &settings(100));
+            count(&run, End::Detected)
+        };
+        assert_eq!([detected(1.0), detected(-1.0)], [up, down], "{place}");
+    }
+}
+
 /// Hits in touching sensors have the path of their copy, and the volume is listed once.
 #[test]
 fn touching_sensors_keep_their_copies() {
