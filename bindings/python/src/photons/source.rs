@@ -13,7 +13,7 @@ use rayweave::photon::{
     photons_from_opticks,
 };
 
-use crate::arrays::{RealArray, contiguous, double_array, list, real_array, shape_text};
+use crate::arrays::{RealArray, contiguous, double_array, list, real_array};
 use crate::error::bad_value;
 use crate::photons::light::TorchLight;
 use crate::photons::parts::DetectorParts;
@@ -115,14 +115,10 @@ impl PyPhotonSource {
     #[staticmethod]
     #[pyo3(signature = (photons: "ArrayLike"))]
     fn from_opticks(photons: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let array = double_array(photons, "photons")?;
-        if !matches!(array.shape(), [_, 4, 4]) {
-            let shape = shape_text(array.shape());
-            return Err(bad_value(format!("photons has shape {shape}: it must be (N, 4, 4).")));
-        }
-        let array = contiguous(array)?;
+        let array = contiguous(double_array(photons, "photons")?)?;
         let array = array.try_readonly().map_err(bad_value)?;
-        let photons = photons_from_opticks(array.as_slice().map_err(bad_value)?).map_err(bad_value)?;
+        let numbers = array.as_slice().map_err(bad_value)?;
+        let photons = photons_from_opticks(array.shape(), numbers).map_err(bad_value)?;
         Ok(Self::free(Source::Photons(photons)))
     }
 

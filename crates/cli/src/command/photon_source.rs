@@ -230,24 +230,25 @@ fn in_file(path: &Path, error: &PhotonError) -> Failure {
     bad_file(path, &error.to_string())
 }
 
-/// Reads an array; true if it is float32.
-fn read_npy(path: &Path) -> Result<(NpyArray, bool), Failure> {
+/// The shape and the numbers of an array; true if they are float32.
+fn read_npy(path: &Path) -> Result<(Vec<usize>, Vec<f64>, bool), Failure> {
     let file = File::open(path).map_err(|error| unreadable(path, &error))?;
     let read = NpyArray::read_floats(&mut BufReader::new(file), u64::from(u32::MAX) << 4);
-    read.map_err(|error| match error {
+    let (NpyArray { shape, numbers }, is_single) = read.map_err(|error| match error {
         rayweave::table::NpyArrayError::Type(name) => {
             bad_file(path, &format!("its numbers are {name}: they must be float32 or float64."))
         }
         // whole sentences
         rayweave::table::NpyArrayError::Header(text) => bad_file(path, &text),
         error => bad_file(path, &format!("the array cannot be read: {error}.")),
-    })
+    })?;
+    // the numbers are in memory, so that their number is no larger than usize
+    let shape = shape.into_iter().map(|own| usize::try_from(own).unwrap_or(usize::MAX)).collect();
+    Ok((shape, numbers, is_single))
 }
 
 fn read_gensteps(path: &Path) -> Result<Vec<rayweave::photon::Genstep>, Failure> {
-    let (NpyArray { shape, numbers }, is_single) = read_npy(path)?;
-    // the numbers are in memory, so that their number is no larger than usize
-    let shape: Vec<usize> = shape.into_iter().map(|own| usize::try_from(own).unwrap_or(usize::MAX)).collect();
+    let (shape, numbers, is_single) = read_npy(path)?;
     let read = match is_single {
         true => {
             let numbers: Vec<f32> = numbers.into_iter().map(|number| number as f32).collect();
@@ -259,12 +260,8 @@ fn read_gensteps(path: &Path) -> Result<Vec<rayweave::photon::Genstep>, Failure>
 }
 
 fn read_photons(path: &Path) -> Result<Vec<Photon>, Failure> {
-    let (array, _) = read_npy(path)?;
-    if !matches!(array.shape[..], [_, 4, 4]) {
-        let lengths = array.shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
-        return Err(bad_file(path, &format!("its shape is ({lengths}): it must be (n, 4, 4).")));
-    }
-    photons_from_opticks(&array.numbers).map_err(|error| in_file(path, &error))
+    let (shape, numbers, _) = read_npy(path)?;
+    photons_from_opticks(&shape, &numbers).map_err(|error| in_file(path, &error))
 }
 
 /// The largest spectrum that is read, in bytes.

@@ -265,7 +265,11 @@ fn arrays() {
     assert_eq!(bench.json(&given)["photons"], 1);
     bench.write("flat.npy", npy("<f4", "(16,)", singles(&photon)));
     let flat = ["photons", "bar.gdml", "--photons", "flat.npy"];
-    assert!(bench.fails(3, &flat).contains("flat.npy: its shape is (16): it must be (n, 4, 4)."));
+    let message = bench.fails(3, &flat);
+    assert!(
+        message.contains("flat.npy: the array of photons has shape (16,): it must be (N, 4, 4)."),
+        "{message}"
+    );
     let flat = ["photons", "bar.gdml", "--gensteps", "flat.npy"];
     assert!(
         bench

@@ -71,10 +71,7 @@ pub fn gensteps_from_array(
         let problem = format!("the array of gensteps has shape {}", shape_text(shape));
         return Err(PhotonError::setting(problem, "it must be (N, 6, 4) or (N, 16)"));
     }
-    if shape.iter().try_fold(1, |product: usize, own| product.checked_mul(*own)) != Some(length) {
-        let problem = format!("the array of gensteps of shape {} has {length} numbers", shape_text(shape));
-        return Err(PhotonError::setting(problem, "there must be as many as the product of its lengths"));
-    }
+    check_count("gensteps", shape, length)?;
     match (shape.len(), numbers) {
         (2, GenstepNumbers::Double(numbers)) => from_geant4(numbers),
         (2, GenstepNumbers::Single(numbers)) => {
@@ -87,6 +84,15 @@ pub fn gensteps_from_array(
             Err(PhotonError::Setting(message.suggest("Give the array as it was written.")))
         }
     }
+}
+
+/// An error if an array of a shape has another number of numbers.
+fn check_count(what: &str, shape: &[usize], length: usize) -> Result<(), PhotonError> {
+    if shape.iter().try_fold(1, |product: usize, own| product.checked_mul(*own)) == Some(length) {
+        return Ok(());
+    }
+    let problem = format!("the array of {what} of shape {} has {length} numbers", shape_text(shape));
+    Err(PhotonError::setting(problem, "there must be as many as the product of its lengths"))
 }
 
 /// A shape as NumPy prints it.
@@ -208,7 +214,7 @@ fn unknown_opticks_kind(row: usize, kind: u32) -> PhotonError {
 /// The largest deviation of directions and polarisations in float32 from unit vectors that are perpendicular to each other.
 const LOOSE: f64 = 1e-3;
 
-/// Reads photons in the layout of Opticks, 16 numbers for each: position in mm and time in ns; direction and weight;
+/// Reads an array of photons in the layout of Opticks, of shape (N, 4, 4), in row-major order: position in mm and time in ns; direction and weight;
 /// polarisation and wavelength in nm; four flags. Weight and flags are not used.
 ///
 /// Directions and polarisations are made unit vectors that are perpendicular to each other; a polarisation of 0 0 0 means
@@ -216,14 +222,15 @@ const LOOSE: f64 = 1e-3;
 ///
 /// # Errors
 ///
-/// [`PhotonError::Setting`] with the number of the photon: a number that is not finite, a wavelength that is not positive, a
-/// direction or polarisation that deviates by more than 1e-3. An incomplete last photon is an error, too.
-pub fn photons_from_opticks(numbers: &[f64]) -> Result<Vec<Photon>, PhotonError> {
-    let (rows, rest) = numbers.as_chunks::<16>();
-    if !rest.is_empty() {
-        let problem = format!("photon {} is incomplete", rows.len());
-        return Err(PhotonError::setting(problem, format!("it has {} of 16 numbers", rest.len())));
+/// [`PhotonError::Setting`]: another shape, another number of numbers than that of the shape; and with the number of the photon,
+/// a number that is not finite, a wavelength that is not positive, a direction or polarisation that deviates by more than 1e-3.
+pub fn photons_from_opticks(shape: &[usize], numbers: &[f64]) -> Result<Vec<Photon>, PhotonError> {
+    if !matches!(shape, [_, 4, 4]) {
+        let problem = format!("the array of photons has shape {}", shape_text(shape));
+        return Err(PhotonError::setting(problem, "it must be (N, 4, 4)"));
     }
+    check_count("photons", shape, numbers.len())?;
+    let (rows, _) = numbers.as_chunks::<16>();
     let read = |(row, values): (usize, &[f64; 16])| {
         let bad = |reason: &str| PhotonError::setting(format!("photon {row} is invalid"), reason);
         let vector = |k: usize| Vec3::new(values[k], values[k + 1], values[k + 2]);

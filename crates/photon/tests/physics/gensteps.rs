@@ -331,8 +331,14 @@ fn shapes_of_gensteps() {
         assert!(problem(shape, count).contains(&format!("has {count} numbers")), "{}", problem(shape, count));
     }
     assert!(gensteps_from_array(&[0, 16], GenstepNumbers::Double(&[])).unwrap().is_empty());
-    let incomplete = photons_from_opticks(&zeros[..17]).unwrap_err().to_string();
-    assert!(incomplete.starts_with("photon ") && incomplete.contains("incomplete"), "{incomplete}");
+    let problem =
+        |shape: &[usize], count: usize| photons_from_opticks(shape, &zeros[..count]).unwrap_err().to_string();
+    assert_eq!(problem(&[16], 16), "the array of photons has shape (16,): it must be (N, 4, 4).");
+    assert_eq!(problem(&[1, 2, 8], 16), "the array of photons has shape (1, 2, 8): it must be (N, 4, 4).");
+    for shape in [[2, 4, 4], [usize::MAX, 4, 4]] {
+        assert!(problem(&shape, 17).contains("has 17 numbers"), "{}", problem(&shape, 17));
+    }
+    assert!(photons_from_opticks(&[0, 4, 4], &[]).unwrap().is_empty());
 }
 
 /// The layouts of Opticks and Geant4 hold the same steps.
@@ -529,7 +535,7 @@ fn photons_are_read() {
     let row = [1.0, 2.0, 50.0, 4.0, 0.6, 0.0, 0.8, 1.0, 0.8, 0.0, -0.600_01, 500.0, 0.0, 0.0, 0.0, 0.0];
     let mut unpolarised = row;
     unpolarised[8..11].fill(0.0);
-    let photons = photons_from_opticks(&[row, unpolarised].concat()).unwrap();
+    let photons = photons_from_opticks(&[2, 4, 4], &[row, unpolarised].concat()).unwrap();
     assert!((photons[0].polarisation - Vec3::new(0.8, 0.0, -0.6)).length() < 1e-4);
     assert!(photons[0].polarisation.dot(photons[0].direction).abs() < 1e-15);
     assert!((photons[0].energy - HC_MEV_NM / 500.0).abs() < 1e-20);
@@ -545,7 +551,7 @@ fn photons_are_read() {
     ] {
         let mut bad = row;
         bad[k] = value;
-        let message = photons_from_opticks(&[row, bad].concat()).unwrap_err().to_string();
+        let message = photons_from_opticks(&[2, 4, 4], &[row, bad].concat()).unwrap_err().to_string();
         assert!(message.contains("photon 1 is invalid") && message.contains(text), "{message}");
     }
 }

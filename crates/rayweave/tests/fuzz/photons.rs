@@ -121,7 +121,7 @@ fn gensteps(read: Result<Vec<Genstep>, PhotonError>) {
 fn photons(numbers: &[f32]) {
     let complete = &numbers[..numbers.len() / 16 * 16];
     let numbers: Vec<f64> = complete.iter().map(|&number| f64::from(number)).collect();
-    if let Some(photons) = refuse(photons_from_opticks(&numbers)) {
+    if let Some(photons) = refuse(photons_from_opticks(&[numbers.len() / 16, 4, 4], &numbers)) {
         traced(&detector(CRYSTAL).expect("a detector"), &Source::Photons(photons));
     }
 }
