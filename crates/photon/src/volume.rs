@@ -39,6 +39,9 @@ pub(crate) struct VolumePaths {
     copies: Vec<i64>,
     /// The numbers of the paths; those of the last ones may be missing until the next search for a path.
     numbers: HashMap<Arc<str>, u32>,
+    /// The numbers of paths of other lists by their addresses, with the paths, so that no other one gets an address: parts of a run
+    /// share the paths of their thread.
+    shared: FxHashMap<usize, (Arc<str>, u32)>,
     /// The numbers by region, and by placement and leaf of a face: paths are made once.
     known: FxHashMap<(u32, Option<[u32; 2]>), u32>,
 }
@@ -94,7 +97,18 @@ impl VolumePaths {
 
     /// Adds the paths of another list; returns the number of each of them.
     pub fn absorb(&mut self, other: &VolumePaths) -> Vec<u32> {
-        other.names.iter().zip(&other.copies).map(|(path, &copy)| self.insert(path, copy)).collect()
+        other.names.iter().zip(&other.copies).map(|(path, &copy)| self.number_of(path, copy)).collect()
+    }
+
+    /// The number of a path of another list.
+    fn number_of(&mut self, path: &Arc<str>, copy: i64) -> u32 {
+        let address = path.as_ptr() as usize;
+        if let Some(&(_, number)) = self.shared.get(&address) {
+            return number;
+        }
+        let number = self.insert(path, copy);
+        self.shared.insert(address, (path.clone(), number));
+        number
     }
 
     /// The paths that `used` has, in this order, without the others; replaces the numbers.
