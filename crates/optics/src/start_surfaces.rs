@@ -22,14 +22,16 @@ pub struct StartSurfaces {
     boxes: Vec<Bounds>,
     cores: Vec<Core>,
     surfaces: Vec<SurfaceId>,
+    /// The same surfaces, each with its placement.
+    placed: Vec<(SurfaceId, PlacementId)>,
     /// For each entry of the list of surfaces, a box in which no other surface is within reach; may be empty.
     alone: Vec<Bounds>,
     /// The first entry of each placement in that list, and for each surface its position in the entries of its placement.
     first_of_placement: Vec<u32>,
     position: Vec<u32>,
-    /// For each entry of the list of surfaces, its place in the list of planes, `u32::MAX` for others.
-    plane_of: Vec<u32>,
-    planes: Vec<PlaneContact>,
+    /// For each entry of the list of surfaces, its place in the list of planes and spheres, `u32::MAX` for others.
+    lane_contact_of: Vec<u32>,
+    lane_contacts: Vec<LaneContact>,
     frames: Vec<Frame>,
     /// The maps into the frame of each placement, outermost first, one list after the other, and the first of each list.
     maps: Vec<Map>,
@@ -113,22 +115,39 @@ struct Neighbours {
     slack: f64,
 }
 
-/// A plane that rays cross, in a frame that is not turned: for callers that evaluate the contacts of several rays at once, by the
-/// operations of [`Contact`].
+/// A plane or a sphere that rays cross, in a frame that is not turned: for callers that evaluate the contacts of several rays at
+/// once, by the operations of [`Contact`].
 #[derive(Clone, Copy, Debug)]
-pub struct PlaneContact {
-    /// The unit normal n and the offset c in the frame of the plane: f(p) = n p - c.
-    pub normal: Vec3,
-    /// See `normal`.
-    pub offset: f64,
+pub struct LaneContact {
+    /// The surface in its frame.
+    pub shape: LaneShape,
     /// The translation into that frame; `None` in the world.
     pub shift: Option<Vec3>,
-    /// The gradient in the world, up to a positive factor.
-    pub gradient: Vec3,
-    /// A box of points on the plane that no other surface is within reach of: the start list of a ray that leaves such a point has
-    /// the plane alone. It holds for an incident ray whose origin and way to the point have 1-norms with a sum of at most
+    /// A box of points on the surface that no other surface is within reach of: the start list of a ray that leaves such a point has
+    /// the surface alone. It holds for an incident ray whose origin and way to the point have 1-norms with a sum of at most
     /// [`StartSurfaces::alone_lengths`], and may be empty.
     pub alone: Bounds,
+}
+
+/// The surface of a [`LaneContact`].
+#[derive(Clone, Copy, Debug)]
+pub enum LaneShape {
+    /// The plane n p = c.
+    Plane {
+        /// The unit normal n.
+        normal: Vec3,
+        /// The offset c.
+        offset: f64,
+        /// The gradient in the world, up to a positive factor.
+        gradient: Vec3,
+    },
+    /// The sphere |p - c|^2 = r^2.
+    Sphere {
+        /// The centre c.
+        centre: Vec3,
+        /// The square of the radius r.
+        square: f64,
+    },
 }
 
 /// The side of a surface on which a scattered ray leaves it.
@@ -207,6 +226,7 @@ impl StartSurfaces {
                     of_surface[surface.index()] =
                         found.clusters.len() as u32 - of_placement[placement.index()];
                     found.surfaces.push(*surface);
+                    found.placed.push((*surface, placement));
                 }
                 found.clusters.push(Cluster { placement, surfaces: first..found.surfaces.len() as u32 });
                 found.boxes.push(same[0].0);
@@ -214,21 +234,22 @@ impl StartSurfaces {
         }
         found.first_map.push(found.maps.len() as u32);
         found.position = position;
-        found.list_planes(program);
+        found.list_lane_contacts(program);
         found.tree = ExactBvh::listed(&found.boxes);
         found.neighbours =
             Neighbours { of_placement, of_surface, ..Neighbours::new(&found.boxes, &found.tree) };
         found.cores = (0..found.clusters.len()).map(|k| found.core(program, k)).collect();
         found.alone = (0..found.clusters.len()).flat_map(|k| found.alone_in(program, k)).collect();
-        let on_planes = found.alone.iter().zip(&found.plane_of).filter(|(_, plane)| **plane != u32::MAX);
-        for (plane, (alone, _)) in found.planes.iter_mut().zip(on_planes) {
-            plane.alone = *alone;
+        let listed =
+            found.alone.iter().zip(&found.lane_contact_of).filter(|(_, number)| **number != u32::MAX);
+        for (contact, (alone, _)) in found.lane_contacts.iter_mut().zip(listed) {
+            contact.alone = *alone;
         }
         found
     }
 
-    /// Lists the planes in frames that are not turned.
-    fn list_planes(&mut self, program: &Program) {
+    /// Lists the planes and spheres in frames that are not turned.
+    fn list_lane_contacts(&mut self, program: &Program) {
         for cluster in &self.clusters {
             let k = cluster.placement.index();
             let maps = &self.maps[self.first_map[k] as usize..self.first_map[k + 1] as usize];
@@ -238,42 +259,58 @@ impl StartSurfaces {
                 _ => None,
             };
             for &surface in &self.surfaces[cluster.surfaces.start as usize..cluster.surfaces.end as usize] {
-                let plane = match (&program.surface(surface).surface, shift) {
-                    (Surface::Plane(plane), Some(shift)) => Some(PlaneContact {
+                let shape = match &program.surface(surface).surface {
+                    Surface::Plane(plane) => Some(LaneShape::Plane {
                         normal: plane.normal,
                         offset: plane.offset,
-                        shift,
                         gradient: outer_gradient(plane.normal, maps.iter().map(Map::affine)),
-                        alone: Bounds::EMPTY,
+                    }),
+                    Surface::Sphere(sphere) => Some(LaneShape::Sphere {
+                        centre: sphere.centre,
+                        square: sphere.radius * sphere.radius,
                     }),
                     _ => None,
                 };
-                self.plane_of.push(plane.map_or(u32::MAX, |_| self.planes.len() as u32));
-                self.planes.extend(plane);
+                let contact =
+                    shape.zip(shift).map(|(shape, shift)| LaneContact { shape, shift, alone: Bounds::EMPTY });
+                self.lane_contact_of.push(contact.map_or(u32::MAX, |_| self.lane_contacts.len() as u32));
+                self.lane_contacts.extend(contact);
             }
         }
     }
 
-    /// The planes in frames that are not turned.
+    /// The planes and spheres in frames that are not turned.
     #[must_use]
-    pub fn planes(&self) -> &[PlaneContact] {
-        &self.planes
+    pub fn lane_contacts(&self) -> &[LaneContact] {
+        &self.lane_contacts
     }
 
-    /// The place of the plane of a face in [`planes`](StartSurfaces::planes), if it is one.
+    /// The place of a surface of a placement in [`lane_contacts`](StartSurfaces::lane_contacts), if it is one of them.
     #[must_use]
     #[inline]
-    pub fn plane(&self, face: Face) -> Option<u32> {
-        self.plane_of_surface(face.surface, face.placement)
-    }
-
-    /// [`plane`](StartSurfaces::plane) by the surface and the placement of a face.
-    #[must_use]
-    #[inline]
-    pub fn plane_of_surface(&self, surface: SurfaceId, placement: PlacementId) -> Option<u32> {
+    pub fn lane_contact(&self, surface: SurfaceId, placement: PlacementId) -> Option<u32> {
         let first = self.first_of_placement[placement.index()];
-        let plane = self.plane_of[(first + self.position[surface.index()]) as usize];
-        (plane != u32::MAX).then_some(plane)
+        let number = self.lane_contact_of[(first + self.position[surface.index()]) as usize];
+        (number != u32::MAX).then_some(number)
+    }
+
+    /// The place of a surface of a placement in the list of all surfaces; `None` if the surface is nowhere on the boundary.
+    #[must_use]
+    #[inline]
+    pub fn place(&self, surface: SurfaceId, placement: PlacementId) -> Option<u32> {
+        let place = self.first_of_placement.get(placement.index())? + self.position.get(surface.index())?;
+        (self.placed.get(place as usize) == Some(&(surface, placement))).then_some(place)
+    }
+
+    /// The surface and the placement at a [`place`](StartSurfaces::place) in the list.
+    ///
+    /// # Panics
+    ///
+    /// On places beyond the list.
+    #[must_use]
+    #[inline]
+    pub fn placed(&self, place: u32) -> (SurfaceId, PlacementId) {
+        self.placed[place as usize]
     }
 
     /// Reads what the contacts with some surfaces of placements need. Among thousands of copies it is not in the cache, and a loop
@@ -285,17 +322,23 @@ impl StartSurfaces {
         let mut bits = 0;
         for (surface, placement) in surfaces {
             let k = placement.index();
+            let at = self.first_of_placement[k] + self.position[surface.index()];
+            if let Some(contact) = self.lane_contacts.get(self.lane_contact_of[at as usize] as usize) {
+                let LaneContact { shift, alone, .. } = contact;
+                bits ^=
+                    shift.map_or(0, |shift| shift.x.to_bits()) ^ alone.lo.x.to_bits() ^ alone.hi.z.to_bits();
+                continue;
+            }
             if let Some(map) = self.maps.get(self.first_map[k] as usize) {
                 bits ^= map.translation.x.to_bits() ^ Arc::as_ptr(&map.linear) as u64;
             }
-            let at = self.first_of_placement[k] + self.position[surface.index()];
             let alone = &self.alone[at as usize];
             bits ^= alone.lo.x.to_bits() ^ alone.hi.z.to_bits();
         }
         std::hint::black_box(bits);
     }
 
-    /// The largest sum of a ray's lengths for which the boxes [`alone`](PlaneContact::alone) hold.
+    /// The largest sum of a ray's lengths for which the boxes [`alone`](LaneContact::alone) hold.
     #[must_use]
     pub fn alone_lengths(&self) -> f64 {
         // the margin in `append_others`, with room for rounding

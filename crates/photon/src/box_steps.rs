@@ -6,10 +6,13 @@
 //! other step. Both compute the same bits.
 
 use crate::boundary::{BARE_EVENTS, BoundaryEvent, Group, PAINTED_EVENTS};
-use crate::detector::{DetectionRule, Detector, Meeting};
-use crate::draws::{LEAST_EXPONENTIAL, Words, exponential, free_path_uniforms};
-use crate::flight::{End, Flight};
+use crate::detector::{Detector, Meeting};
+use crate::draws::{LEAST_EXPONENTIAL, Words, free_path_uniforms};
+use crate::flight::End;
+use crate::free_path::shortest;
+use crate::in_flight::{Mark, Numbers, Place};
 use crate::material::{Bulk, MaterialValues, ValueTable};
+use crate::photon::Photon;
 use crate::rows::{Row, get, load, put, vector};
 use crate::settings::RunSettings;
 use fearless_simd::Simd;
@@ -48,10 +51,9 @@ pub(crate) struct BoxSteps<'d> {
 
 /// The photons of a batch.
 pub(crate) struct BatchPhotons<'b> {
-    pub flights: &'b mut [Flight],
-    /// The start lists of the photons, as in [`StartLists`](rayweave_model::StartLists).
-    pub first: &'b [u32],
-    pub starts: &'b mut [Start],
+    pub photons: &'b mut [Photon],
+    pub marks: &'b mut [Mark],
+    pub numbers: &'b Numbers,
     pub tables: &'b [ValueTable],
     pub values: &'b mut [MaterialValues],
 }
@@ -230,7 +232,7 @@ struct FaceContact<S: Simd> {
     points: [Row; 3],
     on_face: [Row; 3],
     /// Bit mask of the photons for whose lengths the boxes of
-    /// [`PlaneContact`](rayweave_optics::start_surfaces::PlaneContact) hold.
+    /// [`LaneContact`](rayweave_optics::start_surfaces::LaneContact) hold.
     near: u64,
 }
 
@@ -266,12 +268,21 @@ impl<'d> BoxSteps<'d> {
         if !cells.cells.iter().any(is_entered) {
             return None;
         }
-        let plane = |(own, surface): (&AxisBox, SurfaceId)| {
-            let number = detector.starts.plane_of_surface(surface, own.placement);
-            number.and_then(|number| detector.starts.planes().get(number as usize))
+        // photons that leave a box start on its surfaces
+        let is_listed = |own: &AxisBox, surface: SurfaceId| {
+            let start = Start { surface, placement: own.placement, inside: false };
+            Place::on(&start, &detector.starts).is_some()
+        };
+        let is_known = |own: &AxisBox| own.surfaces.iter().all(|&surface| is_listed(own, surface));
+        if !cells.boxes.iter().all(is_known) {
+            return None;
+        }
+        let contact = |(own, surface): (&AxisBox, SurfaceId)| {
+            let number = detector.starts.lane_contact(surface, own.placement);
+            number.and_then(|number| detector.starts.lane_contacts().get(number as usize))
         };
         let faces = cells.boxes.iter().flat_map(|own| own.surfaces.map(|surface| (own, surface)));
-        let alone = faces.map(|face| plane(face).map_or(Bounds::EMPTY, |plane| plane.alone)).collect();
+        let alone = faces.map(|face| contact(face).map_or(Bounds::EMPTY, |contact| contact.alone)).collect();
         let is_turned = |(face, surface): (usize, SurfaceId)| {
             let surface = &detector.program.surface(surface).surface;
             let outward = if face < 3 { -1.0 } else { 1.0 };
@@ -302,12 +313,12 @@ impl<'d> BoxSteps<'d> {
         self.ended.clear();
         loop {
             for lane in 0..LANES {
-                while self.eight.active >> lane & 1 == 0 && next < photons.flights.len() {
+                while self.eight.active >> lane & 1 == 0 && next < photons.marks.len() {
                     self.board(lane, next, photons);
                     next += 1;
                 }
             }
-            let is_last = next == photons.flights.len() && self.eight.active.count_ones() < FEW;
+            let is_last = next == photons.marks.len() && self.eight.active.count_ones() < FEW;
             if is_last || self.settings.cancel.is_cancelled() {
                 break;
             }
@@ -331,25 +342,24 @@ impl<'d> BoxSteps<'d> {
 
     /// Puts a photon into a lane, if it starts on one face, in a cell.
     fn board(&mut self, lane: usize, at: usize, photons: &mut BatchPhotons<'_>) {
-        let [start] = photons.starts[photons.first[at] as usize..photons.first[at + 1] as usize] else {
-            return;
-        };
+        let mark = photons.marks[at];
+        let Some(start) = mark.place.start(&self.detector.starts) else { return };
         let Some(place) = self.place(&start) else { return };
-        let flight = photons.flights[at];
-        if !self.enter(lane, place, flight.photon.energy, photons) {
+        let photon = photons.photons[at];
+        if !self.enter(lane, place, photon.energy, photons) {
             return;
         }
         let eight = &mut *self.eight;
         eight.active |= 1 << lane;
         eight.moved &= !(1 << lane);
         (eight.at[lane], eight.start[lane]) = (at, start);
-        put(&mut eight.position, lane, flight.photon.position);
-        put(&mut eight.direction, lane, flight.photon.direction);
-        put(&mut eight.polarisation, lane, flight.photon.polarisation);
-        eight.time[lane] = flight.photon.time;
-        eight.counters[0][lane] = flight.number >> 32;
-        eight.counters[1][lane] = flight.number & u64::from(u32::MAX);
-        eight.counters[2][lane] = u64::from(flight.steps);
+        put(&mut eight.position, lane, photon.position);
+        put(&mut eight.direction, lane, photon.direction);
+        put(&mut eight.polarisation, lane, photon.polarisation);
+        eight.time[lane] = photon.time;
+        for (row, word) in eight.counters.iter_mut().zip(photons.numbers.counter(&mark)) {
+            row[lane] = u64::from(word);
+        }
     }
 
     /// Takes a photon out of its lane.
@@ -357,13 +367,14 @@ impl<'d> BoxSteps<'d> {
         let eight = &mut *self.eight;
         let (at, bit) = (eight.at[lane], 1 << lane);
         if eight.active & eight.moved & bit != 0 {
-            let flight = &mut photons.flights[at];
-            flight.steps = eight.counters[2][lane] as u32;
-            flight.photon.position = get(&eight.position, lane);
-            flight.photon.direction = get(&eight.direction, lane);
-            flight.photon.polarisation = get(&eight.polarisation, lane);
-            flight.photon.time = eight.time[lane];
-            photons.starts[photons.first[at] as usize] = eight.start[lane];
+            let (photon, mark) = (&mut photons.photons[at], &mut photons.marks[at]);
+            photon.position = get(&eight.position, lane);
+            photon.direction = get(&eight.direction, lane);
+            photon.polarisation = get(&eight.polarisation, lane);
+            photon.time = eight.time[lane];
+            mark.steps = eight.counters[2][lane] as u32;
+            // all surfaces of boxes have one: see `new`
+            mark.place = Place::on(&eight.start[lane], &self.detector.starts).unwrap_or(Place::UNKNOWN);
         }
         eight.active &= !bit;
     }
@@ -412,8 +423,7 @@ impl<'d> BoxSteps<'d> {
             let listed = &self.cells.boxes[number as usize];
             let behind = if place == 0 { own.behind } else { listed.region };
             let meeting = self.meeting([region, behind], (index, energy), photons);
-            let detects = self.settings.detection != DetectionRule::Efficiency
-                && self.detector.sensors[behind.index()].is_some();
+            let detects = self.detector.is_detecting(self.settings.detection, behind);
             loaded.boxes[place] = LoadedBox {
                 number,
                 faces: [listed.shift.to_array(), listed.low, listed.high],
@@ -787,7 +797,9 @@ impl Eight {
         }
         let times = t.to_array();
         for lane in (0..LANES).filter(|lane| short >> lane & 1 == 1) {
-            let (free, absorbs) = self.free_path(lane, &uniforms, times[lane]);
+            let paths = (0..PATHS).map(|k| (self.paths[k][lane], self.absorbs[k] >> lane & 1 == 1));
+            let (free, absorbs) = shortest(paths, uniforms.map(|row| row[lane]), times[lane]);
+            let absorbs = absorbs == Some(true);
             if free >= times[lane] {
                 long |= 1 << lane;
             } else if absorbs && self.time[lane] + free / self.velocity[lane] <= world.max_time {
@@ -893,23 +905,6 @@ impl Eight {
             count(&mut counts.bare, stepped, group.events);
             self.depart(simd, stepped, group);
         }
-    }
-
-    /// The shortest free path of a photon, or any path beyond the boundary at a time, as in the loop over all photons, and true if
-    /// absorption ends it.
-    fn free_path(&self, lane: usize, uniforms: &[Row; PATHS], to_boundary: f64) -> (f64, bool) {
-        let mut shortest = (f64::INFINITY, false);
-        for k in 0..PATHS {
-            let (mean, uniform) = (self.paths[k][lane], uniforms[k][lane]);
-            if mean * (1.0 - uniform) * LEAST_EXPONENTIAL > to_boundary {
-                continue;
-            }
-            let length = mean * exponential(uniform);
-            if length < shortest.0 {
-                shortest = (length, self.absorbs[k] >> lane & 1 == 1);
-            }
-        }
-        shortest
     }
 
     /// Sets the directions and polarisations of the photons in a bit mask to those after their boundaries.

@@ -3,7 +3,7 @@
 //! They are those of [`Stream`], bit for bit. The loops over eight lanes are compiled for the instruction set of the
 //! processor.
 
-use crate::flight::Flight;
+use crate::in_flight::{Mark, Numbers};
 use crate::philox::{COSINE, MULTIPLIERS, PURPOSE_SHIFT, Purpose, ROUNDS, SINE, Stream, UNIT, WEYL};
 use crate::rows::lane_of;
 use fearless_simd::prelude::*;
@@ -31,9 +31,9 @@ pub(crate) struct Draws {
 /// The first three words of the counter of a photon's numbers in a step.
 pub(crate) type Counter = [u32; 3];
 
-/// The counter of a photon in its present step.
-pub(crate) fn counter(flight: &Flight) -> Counter {
-    [(flight.number >> 32) as u32, flight.number as u32, flight.steps]
+/// The numbers of a photon in a step for a purpose.
+pub(crate) fn stream(seed: u64, [high, low, step]: Counter, purpose: Purpose) -> Stream {
+    Stream::new(seed, u64::from(high) << 32 | u64::from(low), step, purpose)
 }
 
 impl Draws {
@@ -42,11 +42,11 @@ impl Draws {
     }
 
     /// Computes the numbers for the free paths of some photons in their next steps.
-    pub fn compute(&mut self, seed: u64, flights: &[Flight]) {
-        self.paths.resize(flights.len().next_multiple_of(LANES), [0.0; 2]);
+    pub fn compute(&mut self, seed: u64, numbers: &Numbers, marks: &[Mark]) {
+        self.paths.resize(marks.len().next_multiple_of(LANES), [0.0; 2]);
         let (paths, _) = self.paths.as_chunks_mut();
         let level = self.level;
-        dispatch!(level, simd => compute(simd, seed, flights, paths));
+        dispatch!(level, simd => compute(simd, seed, (numbers, marks), paths));
         self.asked.clear();
     }
 
@@ -56,13 +56,13 @@ impl Draws {
     }
 
     /// The numbers for the free paths of a photon behind the first two.
-    pub fn other_exponentials(seed: u64, flight: &Flight) -> Stream {
-        Stream::new(seed, flight.number, flight.steps, Purpose::FreePath).after_block()
+    pub fn other_exponentials(seed: u64, counter: Counter) -> Stream {
+        stream(seed, counter, Purpose::FreePath).after_block()
     }
 
     /// Asks for the numbers of the boundary process of a photon; returns the number of the request.
-    pub fn ask(&mut self, flight: &Flight) -> u32 {
-        self.asked.push(counter(flight));
+    pub fn ask(&mut self, counter: Counter) -> u32 {
+        self.asked.push(counter);
         self.asked.len() as u32 - 1
     }
 
@@ -75,8 +75,8 @@ impl Draws {
     }
 
     /// The numbers of the boundary process of a photon; `request` is the number of its request, if there is one.
-    pub fn boundary(&self, request: Option<u32>, seed: u64, flight: &Flight) -> Stream {
-        let stream = Stream::new(seed, flight.number, flight.steps, Purpose::Boundary);
+    pub fn boundary(&self, request: Option<u32>, seed: u64, counter: Counter) -> Stream {
+        let stream = stream(seed, counter, Purpose::Boundary);
         match request.and_then(|number| self.boundary.get(number as usize)) {
             Some(&block) => stream.with_block(block),
             None => stream,
@@ -183,16 +183,22 @@ fn cos_sin_turns<S: Simd>(simd: S, turns: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
 }
 
 #[inline(always)]
-fn compute<S: Simd>(simd: S, seed: u64, flights: &[Flight], paths: &mut [[[f64; 2]; LANES]]) {
+fn compute<S: Simd>(
+    simd: S,
+    seed: u64,
+    (numbers, marks): (&Numbers, &[Mark]),
+    paths: &mut [[[f64; 2]; LANES]],
+) {
     simd.vectorize(
         #[inline(always)]
         || {
-            for (flights, paths) in flights.chunks(LANES).zip(paths) {
+            for (marks, paths) in marks.chunks(LANES).zip(paths) {
                 let mut counters = [[0; LANES]; 3];
-                for (lane, flight) in flights.iter().enumerate() {
-                    counters[0][lane % LANES] = flight.number >> 32;
-                    counters[1][lane % LANES] = flight.number & WORD;
-                    counters[2][lane % LANES] = u64::from(flight.steps.wrapping_add(1));
+                for (lane, mark) in marks.iter().enumerate() {
+                    let number = numbers.number(mark);
+                    counters[0][lane % LANES] = number >> 32;
+                    counters[1][lane % LANES] = number & WORD;
+                    counters[2][lane % LANES] = u64::from(mark.steps.wrapping_add(1));
                 }
                 let words = first_blocks(counters, seed, Purpose::FreePath);
                 for k in 0..2 {
@@ -343,18 +349,8 @@ pub(crate) const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::photon::Photon;
-
-    fn flight(number: u64) -> Flight {
-        let photon = Photon {
-            position: Vec3::ZERO,
-            direction: Vec3::Z,
-            polarisation: Vec3::X,
-            energy: 3e-6,
-            time: 0.0,
-        };
-        Flight { origin: number, number, steps: (number % 7) as u32, region: 0, photon }
-    }
+    use crate::in_flight::Place;
+    use crate::photon::EventKey;
 
     /// Known words and numbers of batches of several lengths are those of the streams.
     #[test]
@@ -362,18 +358,29 @@ mod tests {
         let seed = 0x1234_5678_9abc_def0;
         let mut draws = Draws::new();
         for count in [1, 7, 8, 29] {
-            let mut flights: Vec<Flight> = (0..count).map(|k| flight(k * 0x1_0000_0001 + 5)).collect();
-            draws.compute(seed, &flights);
-            for flight in &mut flights {
-                flight.steps += 1;
-                draws.ask(flight);
+            let mut numbers = Numbers::new(EventKey { seed, event: 3 });
+            numbers.begin(100);
+            // some of the source, and some with numbers of their own
+            let number =
+                |k: u64| if k.is_multiple_of(3) { k * 0x1_0000_0001 + 5 } else { (3 << 32) + 100 + k };
+            let mark = |k: u64| Mark {
+                number: if k.is_multiple_of(3) { numbers.add(k, number(k)) } else { k as u32 },
+                steps: (k % 7) as u32,
+                place: Place::UNKNOWN,
+            };
+            let mut marks: Vec<Mark> = (0..count).map(mark).collect();
+            draws.compute(seed, &numbers, &marks);
+            for mark in &mut marks {
+                mark.steps += 1;
+                draws.ask(numbers.counter(mark));
             }
             draws.answer(seed);
-            for (i, flight) in flights.iter().enumerate() {
-                let stream = |purpose| Stream::new(seed, flight.number, flight.steps, purpose);
+            for (i, mark) in marks.iter().enumerate() {
+                let stream = |purpose| Stream::new(seed, number(i as u64), mark.steps, purpose);
+                let counter = numbers.counter(mark);
                 let (mut known, mut expected) =
-                    (draws.boundary(Some(i as u32), seed, flight), stream(Purpose::Boundary));
-                let mut paths = (Draws::other_exponentials(seed, flight), stream(Purpose::FreePath));
+                    (draws.boundary(Some(i as u32), seed, counter), stream(Purpose::Boundary));
+                let mut paths = (Draws::other_exponentials(seed, counter), stream(Purpose::FreePath));
                 for known in draws.uniforms(i) {
                     assert_eq!(exponential(known).to_bits(), paths.1.exponential().to_bits());
                 }

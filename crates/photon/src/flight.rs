@@ -65,18 +65,3 @@ impl End {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use rayweave_model::Start;
-
-    /// The numbers in the guide to photons: the state of a photon, and its list of start surfaces, which mostly has one entry, before
-    /// the step and after it.
-    #[test]
-    fn a_photon_in_flight_takes_144_bytes() {
-        let list = size_of::<u32>() + size_of::<Start>();
-        assert_eq!((size_of::<Flight>(), list), (112, 16));
-        assert_eq!(size_of::<Flight>() + 2 * list, 144);
-    }
-}

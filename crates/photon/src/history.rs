@@ -331,8 +331,8 @@ pub fn sequence_text(words: [u64; 2]) -> String {
 pub(crate) trait Recorder: Clone + Send + Sync {
     /// True if anything is recorded.
     const RECORDS: bool;
-    /// A step begins in a region, with the crossing at its end unless a process comes first.
-    fn begin(&mut self, detector: &Detector, flight: &Flight, region: u32, crossing: Option<&Crossing>);
+    /// A step begins in the region of the photon, with the crossing at its end unless a process comes first.
+    fn begin(&mut self, detector: &Detector, flight: &Flight, crossing: Option<&Crossing>);
     /// A process that changes or ends a photon, at the surface of a crossing or in the volume.
     fn record(&mut self, detector: &Detector, flight: &Flight, process: Process, at: Option<&Crossing>);
     /// A photon ends because it enters a sensitive volume.
@@ -344,7 +344,7 @@ pub(crate) trait Recorder: Clone + Send + Sync {
 impl Recorder for () {
     const RECORDS: bool = false;
 
-    fn begin(&mut self, _: &Detector, _: &Flight, _: u32, _: Option<&Crossing>) {}
+    fn begin(&mut self, _: &Detector, _: &Flight, _: Option<&Crossing>) {}
     fn record(&mut self, _: &Detector, _: &Flight, _: Process, _: Option<&Crossing>) {}
     fn enter_sensor(&mut self, _: &Detector, _: &Flight, _: &Crossing) {}
     fn take(&mut self) -> Option<Histories> {
@@ -420,15 +420,15 @@ impl<'s> HistoryRecorder<'s> {
 impl Recorder for HistoryRecorder<'_> {
     const RECORDS: bool = true;
 
-    fn begin(&mut self, detector: &Detector, flight: &Flight, region: u32, crossing: Option<&Crossing>) {
+    fn begin(&mut self, detector: &Detector, flight: &Flight, crossing: Option<&Crossing>) {
         if self.options.steps {
             let volumes = &mut self.histories.volumes;
             self.volume = match crossing {
-                None => volumes.number(detector, region, None),
+                None => volumes.number(detector, flight.region, None),
                 Some(crossing) => {
                     let ray = flight.photon.ray();
                     let back = Ray::new(ray.at(crossing.t), -ray.direction);
-                    volumes.number_entered(detector, region, crossing.left, &back)
+                    volumes.number_entered(detector, flight.region, crossing.left, &back)
                 }
             };
         }

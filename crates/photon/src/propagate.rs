@@ -4,15 +4,17 @@
 //! the shortest free path or the boundary, then the photons that have ended are removed.
 
 use crate::boundary::{
-    AtBoundary, Boundary, BoundaryEvent, Departed, LaneBoundaries, LaneSurface, PlanePoint,
+    AtBoundary, Boundary, BoundaryEvent, Departed, LaneBoundaries, LaneSurface, SurfacePoint,
 };
 use crate::box_steps::{BatchPhotons, BoxSteps};
-use crate::detector::{DetectionRule, Detector, Meeting};
-use crate::draws::{Draws, LEAST_EXPONENTIAL, counter, exponential};
+use crate::detector::{Detector, Meeting};
+use crate::draws::{Counter, Draws, stream};
 use crate::error::PhotonError;
 use crate::flight::{End, Flight};
+use crate::free_path::shortest;
 use crate::history::{Histories, HistoryOptions, HistoryRecorder, Process, Recorder};
 use crate::hits::Hits;
+use crate::in_flight::{Mark, Numbers, Place, SurfaceLists};
 use crate::material::{Bulk, MaterialValues, OpticalMaterial, ValueTable};
 use crate::philox::{Purpose, Stream};
 use crate::photon::{EventKey, Photon};
@@ -170,12 +172,19 @@ pub(crate) struct Batch<'d, E: Evaluator, R: Recorder> {
     evaluator: &'d E,
     settings: &'d RunSettings,
     scratch: E::Scratch,
-    emitted: Vec<Photon>,
-    flights: Vec<Flight>,
+    /// The photons in flight.
+    photons: Vec<Photon>,
+    marks: Vec<Mark>,
+    numbers: Numbers,
+    /// The lists of those that start on several surfaces, and of those among the photons that go on.
+    lists: SurfaceLists,
+    next_lists: SurfaceLists,
     /// The number of photons that go on so far; they replace the first ones.
     kept: usize,
     /// Further photons of wavelength shifters, each with the number of those that go on before it.
-    born: Vec<(usize, Flight)>,
+    born: Vec<(usize, Photon, Mark)>,
+    /// True if a photon starts on a surface.
+    is_on_surfaces: bool,
     /// The photons with crossings and random numbers.
     chunk: Range<usize>,
     tables: Vec<ValueTable>,
@@ -183,12 +192,14 @@ pub(crate) struct Batch<'d, E: Evaluator, R: Recorder> {
     values: Vec<MaterialValues>,
     draws: Draws,
     rays: RayBatch,
+    /// The regions in which the photons of the chunk that start on no surface probably are; `u32::MAX` if that is not known.
     regions: Vec<u32>,
     /// The region in which the last photon of a source started.
     source_region: u32,
+    /// The start lists of the photons of the chunk, as in [`StartLists`].
     first: Vec<u32>,
     starts: Vec<Start>,
-    next_first: Vec<u32>,
+    /// The start list of a photon that goes on.
     next_starts: Vec<Start>,
     /// The next crossings of the photons of the chunk.
     found: FirstHitColumns,
@@ -264,10 +275,14 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             evaluator,
             settings,
             scratch: evaluator.scratch(),
-            emitted: Vec::new(),
-            flights: Vec::new(),
+            photons: Vec::new(),
+            marks: Vec::new(),
+            numbers: Numbers::new(EventKey { seed: settings.seed, event: settings.event }),
+            lists: SurfaceLists::default(),
+            next_lists: SurfaceLists::default(),
             kept: 0,
             born: Vec::new(),
+            is_on_surfaces: false,
             chunk: 0..0,
             values: tables.iter().map(MaterialValues::new).collect(),
             tables,
@@ -275,9 +290,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             rays: RayBatch::default(),
             regions: Vec::new(),
             source_region: u32::MAX,
-            first: vec![0],
+            first: Vec::new(),
             starts: Vec::new(),
-            next_first: vec![0],
             next_starts: Vec::new(),
             found: FirstHitColumns::default(),
             between: Vec::new(),
@@ -313,11 +327,12 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         detected: impl IntoIterator<Item = (Flight, (u32, Face))>,
     ) -> Result<PhotonRun, Shortage> {
         self.result = PhotonRun::default();
-        self.clear();
-        for (flight, start) in flights {
-            self.flights.push(flight);
-            self.starts.extend(start);
-            self.first.push(self.starts.len() as u32);
+        self.clear(0);
+        for (Flight { origin, number, steps, region, photon }, start) in flights {
+            let place = self.lists.place(start.as_slice(), region, &self.detector.starts);
+            self.is_on_surfaces |= !place.is_free();
+            self.photons.push(photon);
+            self.marks.push(Mark { number: self.numbers.add(origin, number), steps, place });
         }
         for (flight, volume) in detected {
             let paths = (self.detector, &mut self.paths);
@@ -330,7 +345,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     /// Steps until all photons have ended; takes the result.
     fn finish(&mut self, source: &Source) -> Result<PhotonRun, Shortage> {
         // the result of a cancelled run is dropped
-        while !self.flights.is_empty() && !self.settings.cancel.is_cancelled() {
+        while !self.photons.is_empty() && !self.settings.cancel.is_cancelled() {
             self.step_all();
             if let Some(shortage) = self.shortage.take() {
                 return Err(shortage);
@@ -346,48 +361,40 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
 
     /// Emits the photons of a batch.
     fn emit(&mut self, source: &Source, key: EventKey, numbers: Range<u64>) {
-        let mut photons = std::mem::take(&mut self.emitted);
-        self.clear();
-        let region = self.source_region;
-        let flight = |origin, photon| Flight { origin, number: key.number(origin), steps: 0, region, photon };
+        self.clear(numbers.start);
+        let count = (numbers.end - numbers.start) as usize;
+        self.photons.reserve(count);
         if let Some(template) = source.at_point() {
-            let mut origins = numbers.clone();
-            turned(template, key, numbers, |photon| {
-                self.flights.extend(origins.next().map(|origin| flight(origin, photon)));
-            });
+            turned(template, key, numbers, |photon| self.photons.push(photon));
         } else {
             for first in numbers.clone().step_by(CHUNK) {
-                photons.clear();
                 let some = first..numbers.end.min(first + CHUNK as u64);
-                source.emit((self.detector, self.evaluator), &mut self.scratch, key, some, &mut photons);
-                let emitted = (first..).zip(&photons);
-                self.flights.extend(emitted.map(|(origin, &photon)| flight(origin, photon)));
+                let emitter = (self.detector, self.evaluator);
+                source.emit(emitter, &mut self.scratch, key, some, &mut self.photons);
             }
         }
-        self.result.photons += self.flights.len() as u64;
-        self.emitted = photons;
-        self.first.resize(self.flights.len() + 1, 0);
+        self.result.photons += count as u64;
+        let place = Place::in_region(self.source_region);
+        self.marks.extend((0..count as u32).map(|number| Mark { number, steps: 0, place }));
     }
 
-    /// Removes all photons with their start lists.
-    fn clear(&mut self) {
-        self.flights.clear();
-        self.starts.clear();
-        self.first.clear();
-        self.first.push(0);
-        self.next_starts.clear();
-        self.next_first.clear();
-        self.next_first.push(0);
+    /// Removes all photons; `first` is the number of the first photon of the next batch.
+    fn clear(&mut self, first: u64) {
+        self.photons.clear();
+        self.marks.clear();
+        self.lists.clear();
+        self.next_lists.clear();
+        self.numbers.begin(first);
+        self.is_on_surfaces = false;
     }
 
     /// Further steps of photons within boxes, as far as they are certain.
     fn step_in_boxes(&mut self) {
-        // without start surfaces no photon is on a face
-        let Some(boxes) = self.boxes.as_mut().filter(|_| !self.starts.is_empty()) else { return };
+        let Some(boxes) = self.boxes.as_mut().filter(|_| self.is_on_surfaces) else { return };
         let counts = boxes.run(&mut BatchPhotons {
-            flights: &mut self.flights,
-            first: &self.first,
-            starts: &mut self.starts,
+            photons: &mut self.photons,
+            marks: &mut self.marks,
+            numbers: &self.numbers,
             tables: &self.tables,
             values: &mut self.values,
         });
@@ -402,90 +409,104 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         let Some([begin, ..]) = self.boxes.as_ref().map(BoxSteps::ended) else { return };
         let (begin, mut ended) = (*begin, self.boxes.iter().flat_map(BoxSteps::ended).peekable());
         let mut kept = begin;
-        let mut end = self.first[kept] as usize;
-        for at in begin..self.flights.len() {
+        for at in begin..self.photons.len() {
             if ended.next_if_eq(&&at).is_some() {
                 continue;
             }
-            let list = self.first[at] as usize..self.first[at + 1] as usize;
-            self.starts.copy_within(list.clone(), end);
-            end += list.len();
-            self.flights[kept] = self.flights[at];
+            (self.photons[kept], self.marks[kept]) = (self.photons[at], self.marks[at]);
             kept += 1;
-            self.first[kept] = end as u32;
         }
-        self.flights.truncate(kept);
-        self.first.truncate(kept + 1);
-        self.starts.truncate(end);
+        self.photons.truncate(kept);
+        self.marks.truncate(kept);
     }
 
     /// One step of all photons, chunk by chunk. Those that go on replace the others, in the same order.
     fn step_all(&mut self) {
         self.step_in_boxes();
         self.kept = 0;
-        for first in (0..self.flights.len()).step_by(CHUNK) {
-            self.chunk = first..self.flights.len().min(first + CHUNK);
+        self.is_on_surfaces = false;
+        for first in (0..self.photons.len()).step_by(CHUNK) {
+            self.chunk = first..self.photons.len().min(first + CHUNK);
             self.find();
-            self.draws.compute(self.settings.seed, &self.flights[self.chunk.clone()]);
+            self.draws.compute(self.settings.seed, &self.numbers, &self.marks[self.chunk.clone()]);
             self.step_chunk();
         }
-        self.flights.truncate(self.kept);
+        self.photons.truncate(self.kept);
+        self.marks.truncate(self.kept);
         if !self.born.is_empty() {
             self.insert_born();
         }
-        std::mem::swap(&mut self.first, &mut self.next_first);
-        std::mem::swap(&mut self.starts, &mut self.next_starts);
-        self.next_starts.clear();
-        self.next_first.clear();
-        self.next_first.push(0);
+        self.numbers.shrink(&mut self.marks);
+        std::mem::swap(&mut self.lists, &mut self.next_lists);
+        self.next_lists.clear();
     }
 
     /// Inserts the further photons of wavelength shifters at their places.
     fn insert_born(&mut self) {
-        let old = std::mem::take(&mut self.flights);
+        let (photons, marks) = (std::mem::take(&mut self.photons), std::mem::take(&mut self.marks));
         let mut from = 0;
-        for (at, flight) in self.born.drain(..) {
-            self.flights.extend_from_slice(&old[from..at]);
-            self.flights.push(flight);
+        let ends = self.born.drain(..).map(|(at, photon, mark)| (at, Some((photon, mark))));
+        for (at, born) in ends.chain([(photons.len(), None)]) {
+            self.photons.extend_from_slice(&photons[from..at]);
+            self.marks.extend_from_slice(&marks[from..at]);
+            if let Some((photon, mark)) = born {
+                self.photons.push(photon);
+                self.marks.push(mark);
+            }
             from = at;
         }
-        self.flights.extend_from_slice(&old[from..]);
-    }
-
-    /// Keeps photon `i` of the chunk for the next step; its start list has been appended already.
-    fn keep(&mut self, i: usize) {
-        let at = self.chunk.start + i;
-        if self.kept != at {
-            self.flights[self.kept] = self.flights[at];
-        }
-        self.kept += 1;
-        self.next_first.push(self.next_starts.len() as u32);
     }
 
     /// Keeps a photon of the chunk, after its step, for the next one. Changing it in place and then moving it would read what has
     /// just been written, in other pieces, which stops the processor.
-    fn keep_as(&mut self, flight: Flight) {
-        self.flights[self.kept] = flight;
+    fn keep(&mut self, photon: Photon, mark: Mark) {
+        self.photons[self.kept] = photon;
+        self.marks[self.kept] = mark;
         self.kept += 1;
-        self.next_first.push(self.next_starts.len() as u32);
+    }
+
+    /// The photon with number `i` of the chunk, with its numbers.
+    fn flight(&self, i: usize) -> Flight {
+        let at = self.chunk.start + i;
+        self.numbers.flight(&self.photons[at], &self.marks[at])
+    }
+
+    /// The counter of the random numbers of photon `i` of the chunk.
+    fn counter(&self, i: usize) -> Counter {
+        self.numbers.counter(&self.marks[self.chunk.start + i])
     }
 
     /// The next crossings of the photons of the chunk.
     fn find(&mut self) {
-        let ray = |flight: &Flight| flight.photon.ray();
-        let flights = &self.flights[self.chunk.clone()];
-        self.rays.replace(flights.iter().map(ray));
-        self.regions.clear();
-        self.regions.extend(flights.iter().map(|flight| flight.region));
-        let lists = StartLists { first: &self.first, entries: &self.starts }.slice(self.chunk.clone());
+        let photons = &self.photons[self.chunk.clone()];
+        self.rays.replace(photons.iter().map(Photon::ray));
+        self.list_starts();
+        let lists = StartLists { first: &self.first, entries: &self.starts };
         // rays with a start list, even an empty one, may start inside
         let query = Query { starts: Some(lists), ..Query::nearest() };
-        self.found.resize(flights.len());
+        self.found.resize(self.chunk.len());
         self.between.clear();
         let (query, mut hits) = ((&query, &self.regions[..]), self.found.hits());
         self.evaluator.nearest_in(self.rays.rays(), query, &mut self.scratch, &mut hits, &mut self.between);
         for ((ray, _), number) in self.between.iter().zip(0..) {
             self.found.face[*ray] = BETWEEN - number;
+        }
+    }
+
+    /// Lists the surfaces on which the photons of the chunk start, and the regions of the others.
+    fn list_starts(&mut self) {
+        let all = &self.detector.starts;
+        self.starts.clear();
+        self.first.clear();
+        self.first.push(0);
+        self.regions.clear();
+        for mark in &self.marks[self.chunk.clone()] {
+            match mark.place.start(all) {
+                Some(start) => self.starts.push(start),
+                None => self.starts.extend_from_slice(self.lists.of(mark.place)),
+            }
+            self.first.push(self.starts.len() as u32);
+            self.regions.push(mark.place.region());
         }
     }
 
@@ -497,7 +518,9 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
 
     /// Records a process of photon `i` of the chunk.
     fn record(&mut self, i: usize, process: Process, at: Option<&Crossing>) {
-        self.recorder.record(self.detector, &self.flights[self.chunk.start + i], process, at);
+        if R::RECORDS {
+            self.recorder.record(self.detector, &self.flight(i), process, at);
+        }
     }
 
     /// The crossing of photon `i` of the chunk, if it has one.
@@ -530,12 +553,12 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             let stage = self.advance(i, true);
             self.stages.push(stage);
         }
+        self.read_ahead();
         for lanes in [&mut self.bare, &mut self.painted] {
             lanes.apply(self.settings.seed, &self.detector.starts);
         }
         self.scattering.apply(self.settings.seed);
         self.draws.answer(self.settings.seed);
-        self.read_ahead();
         for i in 0..self.chunk.len() {
             self.conclude(i, self.stages[i]);
         }
@@ -559,37 +582,36 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         let region = self.found.before[i] as usize;
         let has_crossing = self.found.face[i] != -1;
         if R::RECORDS {
-            let (flight, crossing) = (self.flights[self.chunk.start + i], self.crossing(i));
-            self.recorder.begin(detector, &flight, region as u32, crossing.as_ref());
+            let (flight, crossing) = (Flight { region: region as u32, ..self.flight(i) }, self.crossing(i));
+            self.recorder.begin(detector, &flight, crossing.as_ref());
         }
-        let flight = &mut self.flights[self.chunk.start + i];
-        flight.region = region as u32;
-        if flight.steps == 0 {
-            self.source_region = flight.region;
+        let at = self.chunk.start + i;
+        let (photon, mark) = (&mut self.photons[at], &mut self.marks[at]);
+        if mark.steps == 0 {
+            self.source_region = region as u32;
         }
         if region == 0 && !has_crossing {
             return Stage::End(End::Escaped);
         }
-        if flight.steps >= self.settings.max_steps {
+        if mark.steps >= self.settings.max_steps {
             return Stage::End(End::StepLimit);
         }
         let medium = detector.material_of[region] as usize;
-        let energy = flight.photon.energy;
-        if !self.values[medium].is_at(energy) {
-            self.values[medium].set(&self.tables[medium], energy);
+        if !self.values[medium].is_at(photon.energy) {
+            self.values[medium].set(&self.tables[medium], photon.energy);
         }
         let values = &self.values[medium];
         let Some(index) = values.index else {
             return Stage::End(End::NoIndex);
         };
-        flight.steps += 1;
+        mark.steps += 1;
         self.result.steps += 1;
         let to_boundary = if has_crossing { self.found.t[i] } else { f64::INFINITY };
-        let first_two = self.draws.uniforms(i);
-        let (free, process) = free_path(values, first_two, (self.settings.seed, flight), to_boundary);
+        let others = || Draws::other_exponentials(self.settings.seed, self.numbers.counter(mark));
+        let (free, process) = free_path(values, self.draws.uniforms(i), others, to_boundary);
         let length = free.min(to_boundary);
-        flight.photon.time += length / values.velocity;
-        if flight.photon.time > self.settings.max_time {
+        photon.time += length / values.velocity;
+        if photon.time > self.settings.max_time {
             return Stage::End(End::TimeLimit);
         }
         let stage = match () {
@@ -600,10 +622,10 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             () if collects => return Stage::Boundary(index, self.collect(i, index)),
             () => return Stage::Boundary(index, Group::Alone),
         };
-        flight.photon.position = flight.photon.ray().at(length);
+        photon.position = photon.ray().at(length);
         if collects
             && let Stage::Bulk(Bulk::Rayleigh) = stage
-            && let Some(number) = self.scattering.push(flight)
+            && let Some(number) = self.scattering.push(photon, self.numbers.counter(mark))
         {
             return Stage::Scattering(number);
         }
@@ -616,7 +638,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             LaneSurface::Bare(_) => self.bare.push(&photon).map(Group::Bare),
             LaneSurface::Painted(..) => self.painted.push(&photon).map(Group::Painted),
         });
-        collected.unwrap_or_else(|| Group::Other(self.draws.ask(&self.flights[self.chunk.start + i])))
+        collected.unwrap_or_else(|| Group::Other(self.draws.ask(self.counter(i))))
     }
 
     /// Photon `i` in front of its boundary, if that is one for groups of eight photons.
@@ -629,8 +651,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         if self.found.face[i] < 0 || meeting == Meeting::Other {
             return None;
         }
-        let flight = &self.flights[self.chunk.start + i];
-        let Photon { position, direction, polarisation, energy, .. } = flight.photon;
+        let Photon { position, direction, polarisation, energy, .. } = self.photons[self.chunk.start + i];
         let surface = match meeting {
             Meeting::Bare => {
                 let behind = self.index(detector.material_of[regions[1] as usize] as usize, energy)?;
@@ -650,10 +671,10 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             polarisation,
             normal: against(self.found.normal(i), direction),
             surface,
-            counter: counter(flight),
+            counter: self.counter(i),
             position,
             t: self.found.t[i],
-            plane: detector.starts.plane(face),
+            contact: detector.starts.lane_contact(face.surface, face.placement),
         })
     }
 
@@ -666,10 +687,10 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
                 self.bulk(i, &self.detector.materials[medium], process);
             }
             Stage::Scattering(number) => {
-                let flight = self.flights[self.chunk.start + i];
+                let at = self.chunk.start + i;
                 let (direction, polarisation) = self.scattering.get(number);
-                let photon = Photon { direction, polarisation, ..flight.photon };
-                self.keep_as(Flight { photon, ..flight });
+                let photon = Photon { direction, polarisation, ..self.photons[at] };
+                self.keep(photon, Mark { place: self.found_place(i), ..self.marks[at] });
             }
             Stage::Boundary(index, group) => {
                 let departed = match group {
@@ -685,9 +706,9 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
                 }
                 if let (Some(departed), Some(point)) = (&departed, point)
                     && event != Some(BoundaryEvent::Detection)
-                    && !(departed.is_behind && self.is_detecting(self.found.after[i]))
+                    && !(departed.is_behind && self.is_detecting(RegionId(self.found.after[i])))
                 {
-                    return self.leave_plane(i, departed, &point);
+                    return self.leave_contact(i, departed, &point);
                 }
                 if let Some(crossing) = self.crossing(i) {
                     let request = if let Group::Other(number) = group { Some(number) } else { None };
@@ -699,11 +720,11 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
 
     /// A process in the material.
     fn bulk(&mut self, i: usize, material: &OpticalMaterial, process: Bulk) {
-        let seed = self.settings.seed;
-        let flight = &mut self.flights[self.chunk.start + i];
-        let stream = || Stream::new(seed, flight.number, flight.steps, Purpose::Scattering);
-        let Photon { direction, polarisation, .. } = flight.photon;
-        let scattered = match process {
+        let at = self.chunk.start + i;
+        let (seed, counter) = (self.settings.seed, self.counter(i));
+        let stream = || stream(seed, counter, Purpose::Scattering);
+        let Photon { direction, polarisation, .. } = self.photons[at];
+        let (direction, polarisation) = match process {
             Bulk::Absorption => return self.end(i, End::Absorbed, None),
             Bulk::Shift(shifter) => return self.shift(i, material, shifter),
             Bulk::Rayleigh => scatter::rayleigh(direction, polarisation, &mut stream()),
@@ -712,21 +733,27 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
                 None => (direction, polarisation),
             },
         };
-        (flight.photon.direction, flight.photon.polarisation) = scattered;
+        let photon = Photon { direction, polarisation, ..self.photons[at] };
+        self.photons[at] = photon;
         self.record(i, if matches!(process, Bulk::Mie) { Process::Mie } else { Process::Rayleigh }, None);
-        self.keep(i);
+        self.keep(photon, Mark { place: self.found_place(i), ..self.marks[at] });
+    }
+
+    /// The place of photon `i` of the chunk within the region of its step.
+    fn found_place(&self, i: usize) -> Place {
+        Place::in_region(self.found.before[i])
     }
 
     /// Absorption and emission by a wavelength shifter.
     fn shift(&mut self, i: usize, material: &OpticalMaterial, shifter: u8) {
-        let absorbed = self.flights[self.chunk.start + i];
+        let absorbed = self.flight(i);
+        let mark = Mark { place: self.found_place(i), ..self.marks[self.chunk.start + i] };
         let shifter = &material.shifters[usize::from(shifter)];
-        let mut stream =
-            Stream::new(self.settings.seed, absorbed.number, absorbed.steps, Purpose::Reemission);
+        let mut stream = stream(self.settings.seed, self.counter(i), Purpose::Reemission);
         let count = shifter.mean_photons.map_or(1, |mean| stream.poisson(mean));
         // each of them may be absorbed and emitted again: their number has no limit
         let bytes =
-            ((self.flights.len() + self.born.len()) as u64 + u64::from(count)) * size_of::<Flight>() as u64;
+            ((self.photons.len() + self.born.len()) as u64 + u64::from(count)) * size_of::<Flight>() as u64;
         if let Err(shortage) = self.growth.check(bytes) {
             self.shortage = Some(shortage);
             return;
@@ -746,14 +773,15 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             let photon = Photon { position: absorbed.photon.position, direction, polarisation, energy, time };
             // further photons have random numbers of their own
             let number = if emitted == 0 { absorbed.number } else { secondary(absorbed, emitted) };
-            let flight = Flight { number, photon, ..absorbed };
-            self.recorder.record(self.detector, &flight, Process::Reemission, None);
+            if R::RECORDS {
+                let flight = Flight { number, photon, ..absorbed };
+                self.recorder.record(self.detector, &flight, Process::Reemission, None);
+            }
             if emitted == 0 {
-                self.flights[self.chunk.start + i] = flight;
-                self.keep(i);
+                self.keep(photon, mark);
             } else {
-                self.born.push((self.kept, flight));
-                self.next_first.push(self.next_starts.len() as u32);
+                let number = self.numbers.add(absorbed.origin, number);
+                self.born.push((self.kept, photon, Mark { number, ..mark }));
             }
             emitted += 1;
         }
@@ -772,13 +800,12 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     }
 
     /// True if a region detects the photons that enter it.
-    fn is_detecting(&self, region: u32) -> bool {
-        self.settings.detection != DetectionRule::Efficiency
-            && self.detector.sensors[region as usize].is_some()
+    fn is_detecting(&self, region: RegionId) -> bool {
+        self.detector.is_detecting(self.settings.detection, region)
     }
 
-    /// Photon `i` leaves a plane in a run without histories, and goes on.
-    fn leave_plane(&mut self, i: usize, departed: &Departed, point: &PlanePoint) {
+    /// Photon `i` leaves a plane or a sphere in a run without histories, and goes on.
+    fn leave_contact(&mut self, i: usize, departed: &Departed, point: &SurfacePoint) {
         let (detector, at) = (self.detector, self.chunk.start + i);
         self.boundary_events.add(departed.event, 1);
         let (inside, side) = match departed.is_behind {
@@ -787,18 +814,27 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         };
         let surface = detector.faces[self.found.face[i] as usize].surface;
         let own = Start { surface, placement: PlacementId(self.found.placement[i]), inside };
-        let flight = self.flights[at];
+        let photon = self.photons[at];
+        self.next_starts.clear();
         if point.is_alone {
             self.next_starts.push(own);
         } else {
-            let ray = flight.photon.ray();
-            let known = StartLists { first: &self.first, entries: &self.starts }.of(at);
+            let ray = photon.ray();
+            let known = StartLists { first: &self.first, entries: &self.starts }.of(i);
             let (ray, own) = ((&ray, self.found.t[i]), (own, side));
             detector.starts.append_on(&detector.program, ray, own, known, &mut self.next_starts);
         }
         let Departed { direction, polarisation, .. } = *departed;
-        let photon = Photon { position: point.position, direction, polarisation, ..flight.photon };
-        self.keep_as(Flight { photon, ..flight });
+        let photon = Photon { position: point.position, direction, polarisation, ..photon };
+        self.keep_on_surfaces(i, photon);
+    }
+
+    /// Keeps photon `i` of the chunk on its next start surfaces.
+    fn keep_on_surfaces(&mut self, i: usize, photon: Photon) {
+        let (region, all) = (self.found.before[i], &self.detector.starts);
+        let place = self.next_lists.place(&self.next_starts, region, all);
+        self.is_on_surfaces |= !place.is_free();
+        self.keep(photon, Mark { place, ..self.marks[self.chunk.start + i] });
     }
 
     /// The optical boundary process for photon `i` of the chunk: the index in front of the crossing, the request of its random
@@ -810,7 +846,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         (index, request, departed): (f64, Option<u32>, Option<Departed>),
     ) {
         let detector = self.detector;
-        let ray = self.flights[self.chunk.start + i].photon.ray();
+        let at = self.chunk.start + i;
+        let ray = self.photons[at].ray();
         let crossing = &match detector.boundaries.depends_on_copies(crossing) {
             true => detector.with_own_faces(&ray, crossing),
             false => *crossing,
@@ -820,18 +857,18 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             Some(departed) => (departed.event, departed.direction, departed.polarisation, departed.is_behind),
             None => self.scatter(i, crossing, (index, normal), request),
         };
-        // that with a plane has been evaluated already
+        // those with planes and spheres have been evaluated already
         let contact = match departed.and_then(|departed| departed.contact) {
             Some(point) => Ok(point),
             None => Err(detector.starts.contact(&detector.program, &ray, crossing)),
         };
-        let photon = &mut self.flights[self.chunk.start + i].photon;
+        let photon = &mut self.photons[at];
         photon.position = match &contact {
             Ok(point) => point.position,
             Err(contact) => contact.project(normal),
         };
         self.boundary_events.add(event, 1);
-        let detects_efficiency = self.settings.detection != DetectionRule::Volume;
+        let detects_efficiency = self.settings.detection.counts_efficiency();
         match event {
             BoundaryEvent::Detection if detects_efficiency => {
                 self.record(i, event.into(), Some(crossing));
@@ -844,14 +881,18 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             _ => {}
         }
         (photon.direction, photon.polarisation) = (direction, polarisation);
+        let photon = *photon;
         self.record(i, event.into(), Some(crossing));
-        if is_behind && self.is_detecting(crossing.after.0) {
-            let flight = &self.flights[self.chunk.start + i];
-            self.recorder.enter_sensor(detector, flight, crossing);
+        if is_behind && self.is_detecting(crossing.after) {
+            if R::RECORDS {
+                let flight = self.flight(i);
+                self.recorder.enter_sensor(detector, &flight, crossing);
+            }
             return self.detect(i, crossing);
         }
         let side = if is_behind { ExitSide::Transmitted } else { ExitSide::Incident };
-        let known = StartLists { first: &self.first, entries: &self.starts }.of(self.chunk.start + i);
+        self.next_starts.clear();
+        let known = StartLists { first: &self.first, entries: &self.starts }.of(i);
         match contact {
             Ok(point) => {
                 let inside = if is_behind { point.is_falling } else { point.is_rising };
@@ -862,7 +903,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             }
             Err(contact) => detector.starts.append_at(&contact, side, known, &mut self.next_starts),
         }
-        self.keep(i);
+        self.keep_on_surfaces(i, photon);
     }
 
     /// The boundary process of photon `i`, whose random numbers have a request: the event, the direction and the polarisation after
@@ -875,13 +916,12 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         request: Option<u32>,
     ) -> (BoundaryEvent, Vec3, Vec3, bool) {
         let detector = self.detector;
-        let flight = &self.flights[self.chunk.start + i];
-        let energy = flight.photon.energy;
+        let Photon { direction, polarisation, energy, .. } = self.photons[self.chunk.start + i];
         let [own, other] =
             [crossing.before, crossing.after].map(|region| detector.material_of[region.index()]);
         let mut boundary = Boundary {
-            direction: flight.photon.direction,
-            polarisation: flight.photon.polarisation,
+            direction,
+            polarisation,
             normal,
             energy,
             index,
@@ -889,21 +929,17 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             is_same_material: own == other,
             surface: detector.surface(crossing),
         };
-        let mut stream = self.draws.boundary(request, self.settings.seed, flight);
+        let mut stream = self.draws.boundary(request, self.settings.seed, self.counter(i));
         let (event, is_behind) = boundary.apply(&mut stream);
         (event, boundary.direction, boundary.polarisation, is_behind)
     }
 
     fn detect(&mut self, i: usize, crossing: &Crossing) {
-        let flight = &self.flights[self.chunk.start + i];
+        let (photon, mark) = (&self.photons[self.chunk.start + i], &self.marks[self.chunk.start + i]);
         let volume = (crossing.after.0, crossing.entered);
-        self.result.hits.push(
-            (self.settings.event, flight.origin),
-            flight.steps,
-            &flight.photon,
-            (self.detector, &mut self.paths),
-            volume,
-        );
+        let number = (self.settings.event, self.numbers.origin(mark));
+        let paths = (self.detector, &mut self.paths);
+        self.result.hits.push(number, mark.steps, photon, paths, volume);
         self.ends.add(End::Detected, 1);
     }
 }
@@ -927,27 +963,20 @@ fn secondary(flight: Flight, emitted: u32) -> u64 {
 }
 
 /// The shortest free path in a material and its process, if it ends before the boundary; otherwise any path that does not.
-/// `first_two` are the first two uniform numbers of the step.
+/// `first_two` are the first two uniform numbers of the step, and `others` the numbers behind them.
 #[inline]
 fn free_path(
     values: &MaterialValues,
     first_two: [f64; 2],
-    (seed, flight): (u64, &Flight),
+    others: impl FnOnce() -> Stream,
     to_boundary: f64,
 ) -> (f64, Bulk) {
-    let mut shortest = (f64::INFINITY, Bulk::Absorption);
     let paths = values.paths();
-    for (&(mean, process), uniform) in paths.iter().zip(first_two) {
-        // most paths are certainly longer, which needs no logarithm
-        if mean * (1.0 - uniform) * LEAST_EXPONENTIAL > to_boundary {
-            continue;
-        }
-        let length = mean * exponential(uniform);
-        shortest = if length < shortest.0 { (length, process) } else { shortest };
-    }
-    if let Some(others @ [_, ..]) = paths.get(2..) {
-        let mut stream = Draws::other_exponentials(seed, flight);
-        for &(mean, process) in others {
+    let (length, process) = shortest(paths.iter().copied(), first_two, to_boundary);
+    let mut shortest = (length, process.unwrap_or(Bulk::Absorption));
+    if let Some(further @ [_, ..]) = paths.get(2..) {
+        let mut stream = others();
+        for &(mean, process) in further {
             let length = mean * stream.exponential();
             shortest = if length < shortest.0 { (length, process) } else { shortest };
         }

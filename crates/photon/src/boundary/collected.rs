@@ -2,7 +2,7 @@
 //! bits. The kernels of the processes are in [`bare`](super::bare) and [`painted`](super::painted).
 
 use super::event::BoundaryEvent;
-use super::lanes::{Group, Planes};
+use super::lanes::{Contacts, Group};
 use super::{bare, painted};
 use crate::draws::Counter;
 use crate::rows::get;
@@ -43,8 +43,8 @@ pub(crate) struct AtBoundary {
     pub position: Vec3,
     /// The time of the crossing.
     pub t: f64,
-    /// The place of the plane in the list of planes, if it is at one of them.
-    pub plane: Option<u32>,
+    /// The place of the surface in the list of planes and spheres, if it is at one of them.
+    pub contact: Option<u32>,
 }
 
 /// The surface in front of a photon.
@@ -63,14 +63,14 @@ pub(crate) struct Departed {
     pub direction: Vec3,
     pub polarisation: Vec3,
     pub is_behind: bool,
-    /// The contact with a plane.
-    pub contact: Option<PlanePoint>,
+    /// The contact with a plane or a sphere.
+    pub contact: Option<SurfacePoint>,
 }
 
-/// The contact of a photon with a plane.
+/// The contact of a photon with a plane or a sphere.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PlanePoint {
-    /// The point of the crossing, projected onto the plane.
+pub(crate) struct SurfacePoint {
+    /// The point of the crossing, projected onto the surface.
     pub position: Vec3,
     /// True if the photon comes from the side where f < 0.
     pub is_rising: bool,
@@ -110,7 +110,7 @@ impl LaneBoundaries {
         }
         let group = &mut self.groups[number];
         if lane == 0 {
-            group.on_plane = 0;
+            group.has_contact = 0;
         }
         for k in 0..3 {
             group.direction[k][lane] = photon.direction[k];
@@ -127,22 +127,22 @@ impl LaneBoundaries {
             group.values[k][lane] = values[k];
         }
         group.t[lane] = photon.t;
-        if let Some(plane) = photon.plane {
-            group.plane[lane] = plane;
-            group.on_plane |= 1 << lane;
+        if let Some(contact) = photon.contact {
+            group.contact[lane] = contact;
+            group.has_contact |= 1 << lane;
         }
         self.count += 1;
         Some(self.count as u32 - 1)
     }
 
-    /// Applies the process to all photons; `starts` has the planes that they may be at.
+    /// Applies the process to all photons; `starts` has the planes and spheres that they may be at.
     pub fn apply(&mut self, seed: u64, starts: &StartSurfaces) {
-        let planes = (starts.planes(), starts.alone_lengths());
+        let contacts = (starts.lane_contacts(), starts.alone_lengths());
         let Some(level) = self.level else { return };
         let (groups, count) = (&mut self.groups[..self.count.div_ceil(LANES)], self.count);
         match self.kind {
-            Kind::Bare => dispatch_wide!(level, simd => apply_bare(simd, groups, (seed, count), planes)),
-            Kind::Painted => dispatch_wide!(level, simd => apply_painted(simd, groups, seed, planes)),
+            Kind::Bare => dispatch_wide!(level, simd => apply_bare(simd, groups, (seed, count), contacts)),
+            Kind::Painted => dispatch_wide!(level, simd => apply_painted(simd, groups, seed, contacts)),
         }
     }
 
@@ -171,7 +171,7 @@ impl LaneBoundaries {
             direction: get(&group.direction, lane),
             polarisation: get(&group.polarisation, lane),
             is_behind: bit(group.is_behind),
-            contact: bit(group.on_plane).then(|| PlanePoint {
+            contact: bit(group.has_contact).then(|| SurfacePoint {
                 position: get(&group.position, lane),
                 is_rising: bit(group.rising),
                 is_falling: bit(group.falling),
@@ -183,12 +183,12 @@ impl LaneBoundaries {
 
 /// A loop, not a closure, which would be compiled without the wide vectors.
 #[inline(always)]
-fn apply_bare<S: Simd>(simd: S, groups: &mut [Group], (seed, count): (u64, usize), planes: Planes<'_>) {
+fn apply_bare<S: Simd>(simd: S, groups: &mut [Group], (seed, count): (u64, usize), contacts: Contacts<'_>) {
     for (k, group) in groups.iter_mut().enumerate() {
         let used = !0u64 >> (64 - (count - k * LANES).min(LANES));
         // the contacts need the directions before the process
-        if group.on_plane != 0 {
-            group.touch(simd, planes);
+        if group.has_contact != 0 {
+            group.touch(simd, contacts);
         }
         group.meet_interface(simd, seed, used);
     }
@@ -196,10 +196,10 @@ fn apply_bare<S: Simd>(simd: S, groups: &mut [Group], (seed, count): (u64, usize
 
 /// As [`apply_bare`].
 #[inline(always)]
-fn apply_painted<S: Simd>(simd: S, groups: &mut [Group], seed: u64, planes: Planes<'_>) {
+fn apply_painted<S: Simd>(simd: S, groups: &mut [Group], seed: u64, contacts: Contacts<'_>) {
     for group in groups {
-        if group.on_plane != 0 {
-            group.touch(simd, planes);
+        if group.has_contact != 0 {
+            group.touch(simd, contacts);
         }
         group.meet_paint(simd, seed);
     }

@@ -18,7 +18,7 @@ mod process;
 mod tests;
 
 pub(crate) use bare::EVENTS as BARE_EVENTS;
-pub(crate) use collected::{AtBoundary, Departed, LaneBoundaries, LaneSurface, PlanePoint};
+pub(crate) use collected::{AtBoundary, Departed, LaneBoundaries, LaneSurface, SurfacePoint};
 pub use event::BoundaryEvent;
 pub(crate) use lanes::Group;
 pub(crate) use painted::{EVENTS as PAINTED_EVENTS, Reflection};

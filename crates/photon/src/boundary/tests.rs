@@ -13,6 +13,7 @@ use rayweave_optics::interface::fresnel;
 use rayweave_optics::start_surfaces::{ExitSide, StartSurfaces};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
+use rayweave_shape::surface::Surface;
 use rayweave_trace::Reference;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -551,7 +552,7 @@ fn bare_interfaces_in_lanes_equal_the_scalar_process() {
             counter: [0, number as u32, 1],
             position: Vec3::ZERO,
             t: 1.0,
-            plane: None,
+            contact: None,
         };
         photons.extend(lanes.push(&at));
         let (event, is_behind) = photon.apply(&mut numbers);
@@ -635,7 +636,7 @@ fn paint_in_lanes_equals_the_scalar_process() {
             counter: [0, number as u32, 1],
             position: Vec3::ZERO,
             t: 1.0,
-            plane: None,
+            contact: None,
         };
         photons.extend(lanes.push(&at));
         let (event, is_behind) = photon.apply(&mut Stream::new(7, number, 1, Purpose::Boundary));
@@ -666,18 +667,21 @@ fn paint_in_lanes_equals_the_scalar_process() {
     }
 }
 
-/// Contacts with planes in lanes have the bits of [`StartSurfaces::contact`], in the world and in moved copies.
+/// Contacts with planes and spheres in lanes have the bits of [`StartSurfaces::contact`], in the world and in moved copies.
 #[test]
 fn contacts_in_lanes_equal_those_of_start_surfaces() {
     let cube = |size: f64| Solid::from(build("box", &[("size", Value::Number(size))]).unwrap());
+    let ball = |radius: f64| Solid::from(build("sphere", &[("radius", Value::Number(radius))]).unwrap());
     let maps = [Vec3::new(0.3, 0.1, -0.2), Vec3::new(4.0, 0.0, 0.7)].map(Affine::translate);
-    let solids = [cube(40.0), cube(2.0).place(maps)];
+    let others = [Vec3::new(1.0, 4.0, 1.0), Vec3::new(4.1, 3.9, -0.3)].map(Affine::translate);
+    let here = Affine::translate(Vec3::new(2.0, 2.0, 4.0));
+    let solids = [cube(40.0), cube(2.0).place(maps), ball(1.1).place(others), ball(0.9).apply(here)];
     let region = |(medium, solid): (u32, Solid)| Region { name: medium.to_string(), solid, medium };
     let program = Program::compile_regions(&(1..).zip(solids).map(region).collect::<Vec<_>>()).unwrap();
     let (starts, mut lanes) = (StartSurfaces::new(&program), LaneBoundaries::bare());
     let evaluator = Reference::new(Arc::new(program.clone()));
-    let (mut pushed, mut moved, mut alone) = (Vec::new(), 0, 0);
-    for number in 0..800u64 {
+    let (mut pushed, mut moved, mut alone, mut round) = (Vec::new(), 0, 0, [0; 2]);
+    for number in 0..1600u64 {
         let mut stream = Stream::new(6, number, 0, Purpose::Emission);
         let origin = Vec3::from_array([(); 3].map(|()| 8.0 * stream.uniform() - 2.0));
         // some of them along an axis
@@ -689,8 +693,11 @@ fn contacts_in_lanes_equal_those_of_start_surfaces() {
         let Some(&crossing) = found.of(0).first() else { continue };
         let normal = attributes::normal(&program, &ray, &crossing);
         let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-        let plane = starts.plane(crossing.face);
-        assert!(plane.is_some());
+        let contact = starts.lane_contact(crossing.face.surface, crossing.face.placement);
+        assert!(contact.is_some());
+        if matches!(program.surface(crossing.face.surface).surface, Surface::Sphere(_)) {
+            round[usize::from(crossing.face.placement != PlacementId(0))] += 1;
+        }
         moved += usize::from(crossing.face.placement != PlacementId(0));
         let at = AtBoundary {
             direction,
@@ -700,7 +707,7 @@ fn contacts_in_lanes_equal_those_of_start_surfaces() {
             counter: [0, number as u32, 1],
             position: origin,
             t: crossing.t,
-            plane,
+            contact,
         };
         pushed.extend(lanes.push(&at).map(|number| (number, ray, crossing, normal)));
     }
@@ -721,7 +728,8 @@ fn contacts_in_lanes_equal_those_of_start_surfaces() {
         }
     }
     if rayweave_shape::lanes::WideLevel::widest().is_some() {
-        assert!(pushed.len() > 700 && moved > 60 && alone > 600, "{} {moved} {alone}", pushed.len());
+        assert!(pushed.len() > 1400 && moved > 120 && alone > 1200, "{} {moved} {alone}", pushed.len());
+        assert!(round.iter().all(|&count| count > 40), "{round:?}");
     }
 }
 

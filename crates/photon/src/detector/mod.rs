@@ -60,6 +60,16 @@ impl DetectionRule {
         }
     }
 
+    /// True if photons that enter a sensitive volume are detected.
+    pub(crate) fn counts_volumes(self) -> bool {
+        self != DetectionRule::Efficiency
+    }
+
+    /// True if photons that a surface detects are detected.
+    pub(crate) fn counts_efficiency(self) -> bool {
+        self != DetectionRule::Volume
+    }
+
     /// The rule of a name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<DetectionRule> {
@@ -95,6 +105,12 @@ pub struct Detector {
 }
 
 impl Detector {
+    /// True if a region detects the photons that enter it.
+    #[inline]
+    pub(crate) fn is_detecting(&self, rule: DetectionRule, region: RegionId) -> bool {
+        rule.counts_volumes() && self.sensors[region.index()].is_some()
+    }
+
     /// Compiles a scene and reads the optical properties in the `[gdml]` or the `[photons]` table of its document.
     ///
     /// # Errors

@@ -1,9 +1,9 @@
 //! Rayleigh scattering of eight photons at a time: the operations of [`rayleigh`](super::rayleigh) in the same order, and so the
 //! same bits.
 
-use crate::draws::{Counter, Words, around, counter, scattering_uniforms};
-use crate::flight::Flight;
-use crate::philox::{Purpose, Stream};
+use crate::draws::{Counter, Words, around, scattering_uniforms, stream};
+use crate::philox::Purpose;
+use crate::photon::Photon;
 use crate::rows::{Row, lane_of, minus, negative, put, vector};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -49,10 +49,10 @@ impl LaneScattering {
 
     /// Adds a photon; returns its number. `None` on processors without wide vectors.
     #[inline]
-    pub fn push(&mut self, flight: &Flight) -> Option<u32> {
+    pub fn push(&mut self, photon: &Photon, counter: Counter) -> Option<u32> {
         self.level?;
-        let (direction, polarisation) = (flight.photon.direction, flight.photon.polarisation);
-        self.photons.push(Scattered { direction, polarisation, counter: counter(flight) });
+        let &Photon { direction, polarisation, .. } = photon;
+        self.photons.push(Scattered { direction, polarisation, counter });
         Some(self.photons.len() as u32 - 1)
     }
 
@@ -151,9 +151,7 @@ fn apply<S: Simd>(simd: S, seed: u64, photons: &mut [Scattered]) {
 impl Scattered {
     #[cold]
     fn scattered_alone(&self, seed: u64) -> (Vec3, Vec3) {
-        let [high, low, step] = self.counter;
-        let number = u64::from(high) << 32 | u64::from(low);
-        let mut stream = Stream::new(seed, number, step, Purpose::Scattering);
+        let mut stream = stream(seed, self.counter, Purpose::Scattering);
         super::rayleigh(self.direction, self.polarisation, &mut stream)
     }
 }
@@ -161,7 +159,7 @@ impl Scattered {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::photon::Photon;
+    use crate::philox::Stream;
 
     /// Lists of several lengths are scattered as one by one, also with polarisations that are not across the direction.
     #[test]
@@ -176,13 +174,13 @@ mod tests {
                 let across = stream.polarisation(direction);
                 let polarisation = if k % 50 == 3 { stream.direction() } else { across };
                 let photon = Photon { position: Vec3::ONE, direction, polarisation, energy: 3e-6, time: 0.0 };
-                let number = k * 0x1_0000_0001 + 7;
-                let flight = Flight { origin: k, number, steps: (k % 5) as u32, region: 1, photon };
-                if lanes.push(&flight).is_none() {
+                let (number, steps) = (k * 0x1_0000_0001 + 7, (k % 5) as u32);
+                let counter = [(number >> 32) as u32, number as u32, steps];
+                if lanes.push(&photon, counter).is_none() {
                     // a processor without wide vectors
                     return;
                 }
-                let mut stream = Stream::new(seed, number, flight.steps, Purpose::Scattering);
+                let mut stream = Stream::new(seed, number, steps, Purpose::Scattering);
                 expected.push(super::super::rayleigh(direction, polarisation, &mut stream));
             }
             lanes.apply(seed);
