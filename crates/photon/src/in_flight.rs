@@ -6,7 +6,7 @@ use crate::photon::{EventKey, Photon};
 use rayweave_model::Start;
 use rayweave_optics::start_surfaces::StartSurfaces;
 
-/// What a batch stores of a photon beside its [`Photon`].
+/// The numbers of a photon in a batch, beside its [`Photon`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mark {
     /// The number of the photon in [`Numbers`].
@@ -16,7 +16,7 @@ pub(crate) struct Mark {
     pub place: Place,
 }
 
-/// What the next step of a photon starts on: the kind in the two highest bits, and a value.
+/// The start of the next step of a photon: the kind in the two highest bits, and a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Place(u32);
 

@@ -151,7 +151,7 @@ pub(crate) struct Placement {
     pub repeated: Vec<(i64, u32)>,
     /// The volume in which it is placed; empty in native models.
     pub mother: String,
-    /// What an occurrence path has in front of the placement.
+    /// The steps of an occurrence path in front of the placement.
     pub within: Within,
     /// True for the placement that a border surface finds by the name: the first one in the file, as in Geant4. Copies with
     /// different solids of one replicated volume are one placement.
