@@ -37,14 +37,14 @@ impl Bvh<1> {
             if inner == 0 {
                 continue;
             }
-            if end - first > QUEUE - WIDTH {
+            // one more than there may be boxes: see `each_box`
+            if end - first >= QUEUE - WIDTH {
                 self.visit_below(node, passed & inner, &slabs, out);
                 continue;
             }
-            for (k, child) in node.child.iter().enumerate() {
-                queue[end % QUEUE] = child.to_bits();
-                end += (passed & inner) as usize >> k & 1;
-            }
+            let boxes = passed & inner;
+            each_box(boxes, |k, count| queue[(end + count) % QUEUE] = node.child[k].to_bits());
+            end += boxes.count_ones() as usize;
         }
     }
 
@@ -69,13 +69,25 @@ fn inner_children<S: Simd>(simd: S, node: &Node32) -> u32 {
 /// Appends the items in some boxes of a node.
 #[inline(always)]
 fn append(node: &Node32, boxes: u32, out: &mut Vec<u32>) {
-    let (known, mut count) = (out.len(), 0);
-    out.extend_from_slice(&[0; WIDTH]);
-    if let Some(slots) = out.last_chunk_mut::<WIDTH>() {
-        for (k, child) in node.child.iter().enumerate() {
-            slots[count % WIDTH] = child.place();
-            count += boxes as usize >> k & 1;
-        }
+    let known = out.len();
+    out.extend_from_slice(&[0; 2 * WIDTH]);
+    if let Some(slots) = out.last_chunk_mut::<{ 2 * WIDTH }>() {
+        each_box(boxes, |k, count| slots[count % (2 * WIDTH)] = node.child[k].place());
     }
-    out.truncate(known + count);
+    out.truncate(known + boxes.count_ones() as usize);
+}
+
+/// Calls `put` with the number of each box and the number of boxes before it. Most rays pass at most three boxes of a node: `put`
+/// is called for multiples of three without a branch, in vain (with any box) where there are fewer.
+#[inline(always)]
+fn each_box(boxes: u32, mut put: impl FnMut(usize, usize)) {
+    let (mut left, mut count) = (boxes, 0);
+    while {
+        for _ in 0..3 {
+            put(left.trailing_zeros() as usize % WIDTH, count);
+            left &= left.wrapping_sub(1);
+            count += 1;
+        }
+        left != 0
+    } {}
 }
