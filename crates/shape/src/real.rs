@@ -234,6 +234,12 @@ impl<R: Real> Vector<R> {
         Vector { x: self.x + v.x, y: self.y + v.y, z: self.z + v.z }
     }
 
+    /// Componentwise difference.
+    #[inline(always)]
+    pub fn minus(self, other: Self) -> Self {
+        Vector { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+
     /// `self - v`, with the same `v` for all rays.
     #[inline(always)]
     pub fn minus_all(self, v: Vec3) -> Self {

@@ -2,7 +2,7 @@
 //! the operations that add zero or multiply by one.
 
 use super::ray::LaneRay;
-use super::vector::Lanes;
+use super::vector::{Lanes, splat};
 use crate::surface::{Approach, Cylinder, Plane};
 use fearless_simd::Simd;
 use rayweave_math::Vec3;
@@ -65,26 +65,33 @@ impl AxisCylinder {
         Cylinder { point, axis: Vec3::AXES[usize::from(self.axis)], radius: self.radius }
     }
 
-    /// Components perpendicular to the axis: origin (relative to the axis) and direction.
-    #[inline(always)]
-    fn across<S: Simd>(&self, ray: &LaneRay<S>) -> ([Lanes<S>; 2], [Lanes<S>; 2]) {
-        let (o, d) = (&ray.origin, &ray.direction);
-        let ([ox, oy], along) = match self.axis {
-            0 => ([o.y, o.z], [d.y, d.z]),
-            1 => ([o.x, o.z], [d.x, d.z]),
-            _ => ([o.x, o.y], [d.x, d.y]),
-        };
-        ([ox - self.point[0], oy - self.point[1]], along)
-    }
-
     /// [`Cylinder::approach`] in the two coordinates perpendicular to the axis, where even the smallest speed is not a
     /// rounding error.
     #[inline(always)]
     pub(super) fn approach<S: Simd>(&self, ray: &LaneRay<S>) -> Approach<Lanes<S>> {
-        let ([x, y], [u, v]) = self.across(ray);
-        let square = u * u + v * v;
-        let time = Approach::time(square, x * u + y * v);
-        let (x, y) = (x + time * u, y + time * v);
-        Approach { time, square, inside: self.radius * self.radius - (x * x + y * y) }
+        let simd = ray.square.simd;
+        let point = [splat(simd, self.point[0]), splat(simd, self.point[1])];
+        approach(ray, self.axis, point, splat(simd, self.radius))
     }
+}
+
+/// [`AxisCylinder::approach`] with a cylinder for each ray, all parallel to one axis.
+#[inline(always)]
+pub(super) fn approach<S: Simd>(
+    ray: &LaneRay<S>,
+    axis: u8,
+    point: [Lanes<S>; 2],
+    radius: Lanes<S>,
+) -> Approach<Lanes<S>> {
+    let (o, d) = (&ray.origin, &ray.direction);
+    let ([x, y], [u, v]) = match axis {
+        0 => ([o.y, o.z], [d.y, d.z]),
+        1 => ([o.x, o.z], [d.x, d.z]),
+        _ => ([o.x, o.y], [d.x, d.y]),
+    };
+    let (x, y) = (x - point[0], y - point[1]);
+    let square = u * u + v * v;
+    let time = Approach::time(square, x * u + y * v);
+    let (x, y) = (x + time * u, y + time * v);
+    Approach { time, square, inside: radius * radius - (x * x + y * y) }
 }

@@ -6,7 +6,7 @@ use super::quadric::LaneQuadric;
 use super::ray::{LaneRay, LaneStarts, Uncertain};
 use super::span::{Gap, LaneSpan};
 use super::torus::{LaneTorus, TorusInterval};
-use super::vector::{Lanes, Mask, splat};
+use super::vector::{Lanes, Mask, Vec3Lanes, splat};
 use crate::surface::{Approach, Cone, Cylinder, DOT_NOISE, Plane, Sphere, Surface};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -187,7 +187,7 @@ impl LaneFacet {
         let (from, to) = match &self.kernel {
             Kernel::AxisCylinder(cylinder) => {
                 let approach = cylinder.approach(ray);
-                cylinder_times(simd, cylinder.radius, &approach, ray, uncertain)
+                cylinder_times(simd, splat(simd, cylinder.radius), &approach, ray, uncertain)
             }
             Kernel::Sphere(sphere) => {
                 let approach = sphere.approach(ray.origin, ray.direction, ray.square);
@@ -212,13 +212,15 @@ impl LaneFacet {
             &Kernel::AxisPlane { axis, sign, offset } => {
                 let height = splat(simd, offset) - ray.origin.component(axis.into()) * sign;
                 let speed = ray.direction.component(axis.into()) * sign;
-                self.plane(simd, ray, [height, speed], span, uncertain);
+                let side = (self.inside, splat(simd, self.face));
+                narrow_to_plane(simd, ray, [height, speed], side, span, uncertain);
                 None
             }
             Kernel::Plane(plane) => {
                 let height = splat(simd, plane.offset) - ray.origin.dot_all(plane.normal);
-                let speed = certain_dot(simd, ray, plane.normal);
-                self.plane(simd, ray, [height, speed], span, uncertain);
+                let speed = certain_dot(simd, ray, Vec3Lanes::splat(simd, plane.normal));
+                let side = (self.inside, splat(simd, self.face));
+                narrow_to_plane(simd, ray, [height, speed], side, span, uncertain);
                 None
             }
             Kernel::Sphere(sphere) => {
@@ -228,12 +230,14 @@ impl LaneFacet {
             }
             Kernel::Cylinder(cylinder) => {
                 let approach = cylinder.approach(ray.origin, ray.direction, ray.slow_square);
-                let (from, to) = cylinder_times(simd, cylinder.radius, &approach, ray, uncertain);
+                let (from, to) =
+                    cylinder_times(simd, splat(simd, cylinder.radius), &approach, ray, uncertain);
                 self.apply_interval(simd, from, to, span)
             }
             Kernel::AxisCylinder(cylinder) => {
                 let approach = cylinder.approach(ray);
-                let (from, to) = cylinder_times(simd, cylinder.radius, &approach, ray, uncertain);
+                let (from, to) =
+                    cylinder_times(simd, splat(simd, cylinder.radius), &approach, ray, uncertain);
                 self.apply_interval(simd, from, to, span)
             }
             Kernel::AxisSlab(_) | Kernel::Slab(_) => {
@@ -319,54 +323,35 @@ impl LaneFacet {
                 let axis = (*axis).into();
                 (ray.origin.component(axis), ray.direction.component(axis), *low, *high, *turned)
             }
-            Kernel::Slab(LaneSlab { normal, low, high, turned }) => {
-                (ray.origin.dot_all(*normal), certain_dot(simd, ray, *normal), *low, *high, *turned)
-            }
+            Kernel::Slab(LaneSlab { normal, low, high, turned }) => (
+                ray.origin.dot_all(*normal),
+                certain_dot(simd, ray, Vec3Lanes::splat(simd, *normal)),
+                *low,
+                *high,
+                *turned,
+            ),
             _ => return,
         };
-        let (low_face, high_face) = (splat(simd, low.1), splat(simd, high.1));
-        let (below, above) = (origin + low.0, splat(simd, high.0) - origin);
-        let (low, high) = (below / -speed + 0.0, above / speed + 0.0);
-        let rises = speed.simd_gt(0.0);
-        let (mut from, mut to) = (rises.select(low, high), rises.select(high, low));
-        let [plus, minus] = super::ray::infinite(simd);
-        let slow = speed.abs().simd_le(ray.slow_plane);
-        let (any_slow, mut grazes) = (slow.any_true(), slow);
-        if any_slow {
-            let finite = low.abs().max(high.abs()).simd_lt(plus);
-            // c - n . r(middle)
-            let shift = ray.middle * speed;
-            let near = (below + shift).abs().min((above - shift).abs());
-            uncertain.always |= slow & near.simd_le(ray.near);
-            let zero = splat(simd, 0.0);
-            let parallel = speed.simd_eq(zero);
-            // the time is out of range
-            uncertain.always |= !finite & !parallel;
-            let holds = below.simd_gt(zero) & above.simd_gt(zero);
-            from = parallel.select(holds.select(minus, plus), from);
-            to = parallel.select(holds.select(plus, minus), to);
-            grazes = slow & !parallel;
-        }
+        let faces = [splat(simd, low.1), splat(simd, high.1)];
+        let offsets = [splat(simd, low.0), splat(simd, high.0)];
+        let mut times = SlabTimes::new(simd, ray, [origin, speed], offsets, uncertain);
         if let Some(starts) = starts {
+            let [plus, minus] = super::ray::infinite(simd);
             let on = self.surfaces.map(|surface| starts.surface.simd_eq(surface));
             // true where the rays are between the planes just after the start
             let [above_low, below_high] =
                 turned.map(|turned| if turned { !starts.inside } else { starts.inside });
             let outside = (on[0] & !above_low) | (on[1] & !below_high);
             // tangent, or against the listed side
-            let falls = speed.simd_lt(0.0);
+            let (rises, falls) = (times.rises, speed.simd_lt(0.0));
             let moves = rises | falls;
             let agrees = moves & (!on[0] | !(rises ^ above_low)) & (!on[1] | !(falls ^ below_high));
             uncertain.always |= (on[0] | on[1]) & !agrees;
-            from = ((rises & on[0]) | (!rises & on[1])).select(minus, from);
-            to = ((rises & on[1]) | (!rises & on[0])).select(plus, to);
-            from = outside.select(plus, from);
+            times.from = ((rises & on[0]) | (!rises & on[1])).select(minus, times.from);
+            times.to = ((rises & on[1]) | (!rises & on[0])).select(plus, times.to);
+            times.from = outside.select(plus, times.from);
         }
-        let begins = span.begin_after(from, rises.select(low_face, high_face));
-        let ends = span.end_before(to, rises.select(high_face, low_face));
-        if any_slow {
-            uncertain.grazes |= grazes & (begins | ends);
-        }
+        times.narrow(faces, span, uncertain);
     }
 
     /// A surface of degree 2: for some rays it holds between the roots, for others outside of them.
@@ -427,59 +412,115 @@ impl LaneFacet {
         span.end_before(to, splat(simd, self.face));
         None
     }
+}
 
-    /// A plane, crossed at `height / speed`: the facet holds before or after that time.
+/// The times at which rays are between two parallel planes that face away from each other.
+pub(super) struct SlabTimes<S: Simd> {
+    from: Lanes<S>,
+    to: Lanes<S>,
+    /// True if the low plane is crossed first.
+    rises: Mask<S>,
+    /// True if the planes are crossed at a grazing angle; `None` if there is no such ray.
+    grazes: Option<Mask<S>>,
+}
+
+impl<S: Simd> SlabTimes<S> {
+    /// From the position and the speed of the rays across the planes, and the offsets of the planes: of the low one with the
+    /// opposite normal.
     #[inline(always)]
-    fn plane<S: Simd>(
-        &self,
+    pub fn new(
         simd: S,
         ray: &LaneRay<S>,
-        [height, speed]: [Lanes<S>; 2],
-        span: &mut LaneSpan<S>,
+        [origin, speed]: [Lanes<S>; 2],
+        [low, high]: [Lanes<S>; 2],
         uncertain: &mut Uncertain<S>,
-    ) {
-        let t = height / speed + 0.0;
-        let [plus, minus] = super::ray::infinite(simd);
-        let before = if self.inside { speed.simd_gt(0.0) } else { speed.simd_lt(0.0) };
-        let (mut from, mut to) = (before.select(minus, t), before.select(t, plus));
+    ) -> Self {
+        let (below, above) = (origin + low, high - origin);
+        let (low, high) = (below / -speed + 0.0, above / speed + 0.0);
+        let rises = speed.simd_gt(0.0);
+        let (mut from, mut to) = (rises.select(low, high), rises.select(high, low));
         let slow = speed.abs().simd_le(ray.slow_plane);
-        let (any_slow, mut finite) = (slow.any_true(), slow);
-        if any_slow {
-            finite = t.abs().simd_lt(f64::INFINITY);
-            let below = height.simd_gt(0.0);
-            let holds = if self.inside { below } else { !below };
-            from = finite.select(from, holds.select(minus, plus));
-            to = finite.select(to, holds.select(plus, minus));
+        if !slow.any_true() {
+            return SlabTimes { from, to, rises, grazes: None };
         }
-        let face = splat(simd, self.face);
-        let (begins, ends) = (span.begin_after(from, face), span.end_before(to, face));
-        if any_slow {
-            // c - n . r(middle)
-            let value = height - ray.middle * speed;
-            uncertain.always |= slow & value.abs().simd_le(ray.near);
-            uncertain.grazes |= slow & finite & (begins | ends);
+        let [plus, minus] = super::ray::infinite(simd);
+        let finite = low.abs().max(high.abs()).simd_lt(plus);
+        // c - n . r(middle)
+        let shift = ray.middle * speed;
+        let near = (below + shift).abs().min((above - shift).abs());
+        uncertain.always |= slow & near.simd_le(ray.near);
+        let zero = splat(simd, 0.0);
+        let parallel = speed.simd_eq(zero);
+        // the time is out of range
+        uncertain.always |= !finite & !parallel;
+        let holds = below.simd_gt(zero) & above.simd_gt(zero);
+        from = parallel.select(holds.select(minus, plus), from);
+        to = parallel.select(holds.select(plus, minus), to);
+        SlabTimes { from, to, rises, grazes: Some(slow & !parallel) }
+    }
+
+    /// Narrows a span to these times; `faces` are those of the low and the high plane.
+    #[inline(always)]
+    pub fn narrow(self, [low, high]: [Lanes<S>; 2], span: &mut LaneSpan<S>, uncertain: &mut Uncertain<S>) {
+        let begins = span.begin_after(self.from, self.rises.select(low, high));
+        let ends = span.end_before(self.to, self.rises.select(high, low));
+        if let Some(grazes) = self.grazes {
+            uncertain.grazes |= grazes & (begins | ends);
         }
+    }
+}
+
+/// Narrows a span to one side of a plane that is crossed at `height / speed`: before or after that time. `inside` is true for the
+/// side where f < 0.
+#[inline(always)]
+pub(super) fn narrow_to_plane<S: Simd>(
+    simd: S,
+    ray: &LaneRay<S>,
+    [height, speed]: [Lanes<S>; 2],
+    (inside, face): (bool, Lanes<S>),
+    span: &mut LaneSpan<S>,
+    uncertain: &mut Uncertain<S>,
+) {
+    let t = height / speed + 0.0;
+    let [plus, minus] = super::ray::infinite(simd);
+    let before = if inside { speed.simd_gt(0.0) } else { speed.simd_lt(0.0) };
+    let (mut from, mut to) = (before.select(minus, t), before.select(t, plus));
+    let slow = speed.abs().simd_le(ray.slow_plane);
+    let (any_slow, mut finite) = (slow.any_true(), slow);
+    if any_slow {
+        finite = t.abs().simd_lt(f64::INFINITY);
+        let below = height.simd_gt(0.0);
+        let holds = if inside { below } else { !below };
+        from = finite.select(from, holds.select(minus, plus));
+        to = finite.select(to, holds.select(plus, minus));
+    }
+    let (begins, ends) = (span.begin_after(from, face), span.end_before(to, face));
+    if any_slow {
+        // c - n . r(middle)
+        let value = height - ray.middle * speed;
+        uncertain.always |= slow & value.abs().simd_le(ray.near);
+        uncertain.grazes |= slow & finite & (begins | ends);
     }
 }
 
 /// Lane version of [`certain_dot`](crate::surface) for the directions of rays.
 #[inline(always)]
-fn certain_dot<S: Simd>(simd: S, ray: &LaneRay<S>, normal: Vec3) -> Lanes<S> {
-    let dot = ray.direction.dot_all(normal);
+pub(super) fn certain_dot<S: Simd>(simd: S, ray: &LaneRay<S>, normal: Vec3Lanes<S>) -> Lanes<S> {
+    let dot = ray.direction.dot(normal);
     let size = dot.abs();
     // the terms add up to less than the taxicab length, up to rounding
     if !size.simd_le(ray.speed * (1.01 * DOT_NOISE)).any_true() {
         return dot;
     }
-    let terms = ray.direction.abs().dot_all(normal.abs());
+    let terms = ray.direction.abs().dot(normal.abs());
     size.simd_le(terms * DOT_NOISE).select(splat(simd, 0.0), dot)
 }
 
 /// Interval inside a cylinder, equal to [`Cylinder::crossings`].
 #[inline(always)]
-fn cylinder_times<S: Simd>(
+pub(super) fn cylinder_times<S: Simd>(
     simd: S,
-    radius: f64,
+    radius: Lanes<S>,
     approach: &Approach<Lanes<S>>,
     ray: &LaneRay<S>,
     uncertain: &mut Uncertain<S>,
@@ -512,7 +553,11 @@ fn cylinder_times<S: Simd>(
 
 /// The interval of `half` before and after the closest approach; empty, from +inf to -inf, for a miss.
 #[inline(always)]
-fn or_empty<S: Simd>(simd: S, approach: &Approach<Lanes<S>>, half: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+pub(super) fn or_empty<S: Simd>(
+    simd: S,
+    approach: &Approach<Lanes<S>>,
+    half: Lanes<S>,
+) -> (Lanes<S>, Lanes<S>) {
     let [plus, minus] = super::ray::infinite(simd);
     let (time, enters) = (approach.time, approach.inside.simd_gt(0.0));
     (enters.select(time - half + 0.0, plus), enters.select(time + half + 0.0, minus))

@@ -14,6 +14,7 @@ mod axis;
 mod cone;
 mod departure;
 mod facet;
+mod form;
 mod gradient;
 mod quadratic;
 mod quadric;
@@ -26,6 +27,7 @@ mod wide;
 
 pub use axis::{AxisCylinder, AxisSlab};
 pub use facet::{Kernel, LaneFacet, LaneSlab};
+pub use form::{FormRow, LeafForm};
 pub use gradient::LaneGradient;
 pub use quadric::LaneQuadric;
 pub use ray::{LaneLimits, LaneRay, LaneStarts, Uncertain};

@@ -163,6 +163,24 @@ impl<S: Simd> LaneRay<S> {
         self.lengths + t.abs() * self.speed
     }
 
+    /// Ray `k` in all lanes.
+    #[inline(always)]
+    pub fn only(&self, simd: S, k: usize) -> Self {
+        let all = |lanes: &Lanes<S>| splat(simd, lanes.as_slice()[k % LANES]);
+        let vector = |v: &Vec3Lanes<S>| Vec3Lanes { x: all(&v.x), y: all(&v.y), z: all(&v.z) };
+        LaneRay {
+            origin: vector(&self.origin),
+            direction: vector(&self.direction),
+            square: all(&self.square),
+            middle: all(&self.middle),
+            near: all(&self.near),
+            slow_plane: all(&self.slow_plane),
+            slow_square: all(&self.slow_square),
+            lengths: all(&self.lengths),
+            speed: all(&self.speed),
+        }
+    }
+
     /// A single ray in the form of the scalar kernels.
     pub fn lane(&self, k: usize) -> crate::Ray {
         let at = |v: &Vec3Lanes<S>| Vec3::new(v.x.as_slice()[k], v.y.as_slice()[k], v.z.as_slice()[k]);

@@ -24,7 +24,7 @@ mod ranges;
 pub mod sag;
 mod second_degree;
 mod share;
-mod sphere;
+pub(crate) mod sphere;
 mod tolerance;
 mod torus;
 pub(crate) mod torus_line;

@@ -31,10 +31,7 @@ impl Sphere {
         direction: Vector<R>,
         square: R,
     ) -> Approach<R> {
-        let time = origin.taken_from(self.centre).dot(direction) / square;
-        let offset = origin.plus(direction.times(time)).minus_all(self.centre);
-        let inside = offset.length_squared().taken_from(self.radius * self.radius);
-        Approach { time, square, inside }
+        approach(origin, direction, square, (origin.same(self.centre), square.splat(self.radius)))
     }
 
     /// `|p - centre|^2 - radius^2` and its gradient.
@@ -65,4 +62,17 @@ impl Sphere {
         let here = Quadric::from_squares(self.centre, Vec3::AXES, [1.0; 3], Vec3::ZERO, -square);
         Surface::Quadric(Box::new(here.transformed(to)))
     }
+}
+
+/// [`Sphere::approach`] with a sphere for each ray.
+#[inline(always)]
+pub(crate) fn approach<R: Real>(
+    origin: Vector<R>,
+    direction: Vector<R>,
+    square: R,
+    (centre, radius): (Vector<R>, R),
+) -> Approach<R> {
+    let time = centre.minus(origin).dot(direction) / square;
+    let offset = origin.plus(direction.times(time)).minus(centre);
+    Approach { time, square, inside: radius * radius - offset.length_squared() }
 }
