@@ -130,9 +130,8 @@ impl Walk<'_> {
             self.toggle(event.leaf);
             self.swept = event.t;
         }
-        if self.query.is_past(t_min, has_starts) {
-            self.swept = t_min;
-        }
+        // with start surfaces, leaves found later may have events before t = 0 outside of their boxes
+        self.swept = if self.query.is_past(t_min, has_starts) { t_min } else { 0f64.next_down() };
         self.weave.state(self.state.owner())
     }
 
