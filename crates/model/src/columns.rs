@@ -32,30 +32,30 @@ impl HitArrayRows<'_, '_> {
     /// Writes the column of one ray and returns its number of entries, including those beyond the last row, which
     /// are not written.
     pub fn put(&mut self, program: &Program, answer: &RayAnswer<'_>) -> usize {
-        let is_inside = |region| program.medium_of(region) != 0;
-        let mut inside = is_inside(answer.start);
         let mut count = 0;
-        if inside {
-            self.entry(answer.ray, &mut count, f64::NEG_INFINITY, -1);
-        }
-        for crossing in answer.crossings {
-            if is_inside(crossing.after) != inside {
-                inside = !inside;
-                self.entry(answer.ray, &mut count, crossing.t, face_number(program, crossing));
+        for (t, face) in HitArrayRows::entries(program, answer) {
+            if let Some(row) = self.times.get_mut(count) {
+                row[answer.ray] = t;
             }
+            if let Some(row) = self.faces.get_mut(count) {
+                row[answer.ray] = face;
+            }
+            count += 1;
         }
         self.pad(answer.ray, count);
         count
     }
 
-    fn entry(&mut self, ray: usize, count: &mut usize, t: f64, face: i32) {
-        if let Some(row) = self.times.get_mut(*count) {
-            row[ray] = t;
-        }
-        if let Some(row) = self.faces.get_mut(*count) {
-            row[ray] = face;
-        }
-        *count += 1;
+    /// The entries of one ray, each with the number of its face.
+    pub fn entries(program: &Program, answer: &RayAnswer<'_>) -> impl Iterator<Item = (f64, i32)> {
+        let is_inside = |region| program.medium_of(region) != 0;
+        let mut inside = is_inside(answer.start);
+        let first = inside.then_some((f64::NEG_INFINITY, -1));
+        first.into_iter().chain(answer.crossings.iter().filter_map(move |crossing| {
+            let changes = is_inside(crossing.after) != inside;
+            inside ^= changes;
+            changes.then(|| (crossing.t, face_number(program, crossing)))
+        }))
     }
 
     fn pad(&mut self, ray: usize, count: usize) {

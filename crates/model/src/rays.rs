@@ -56,6 +56,7 @@ impl Rays<'_> {
     }
 
     /// Ray number `i`.
+    #[inline]
     pub fn get(&self, i: usize) -> Ray {
         let at = |columns: &[&[f64]; 3]| Vec3::new(columns[0][i], columns[1][i], columns[2][i]);
         Ray::new(at(&self.origins), at(&self.directions))

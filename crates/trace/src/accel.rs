@@ -46,26 +46,25 @@ impl Accel {
         self.tree.size()
     }
 
-    /// Prepares a ray for the tree.
-    fn probe(&self, ray: &GroupRay<'_>, window: Window) -> Probe {
-        let margin = self.condition * ray_margin(ray.ray.origin, ray.magnitude);
-        self.tree.probe(ray.ray.origin, ray.ray.direction, margin, [window.t_min(), window.t_max()])
+    /// Prepares a ray for the tree. `magnitude` is that of [`GroupRay::magnitude`].
+    fn probe(&self, ray: &Ray, magnitude: f64, window: Window) -> Probe {
+        let margin = self.condition * ray_margin(ray.origin, magnitude);
+        self.tree.probe(ray.origin, ray.direction, margin, [window.t_min(), window.t_max()])
     }
 
     /// Appends the leaves that the ray can touch within the window.
-    pub fn intersected_leaves(&self, ray: &GroupRay<'_>, window: Window, out: &mut Vec<u32>) {
+    pub fn intersected_leaves(&self, ray: &Ray, magnitude: f64, window: Window, out: &mut Vec<u32>) {
         out.extend_from_slice(self.unbounded());
         match self.rings.as_deref() {
             Some((rings, others)) => {
-                let margin = self.condition * ray_margin(ray.ray.origin, ray.magnitude);
-                rings.intersected(&ray.ray, window, margin, out);
-                let (origin, direction) = (ray.ray.origin, ray.ray.direction);
+                let margin = self.condition * ray_margin(ray.origin, magnitude);
+                rings.intersected(ray, window, margin, out);
                 others.intersected_items(
-                    &others.probe(origin, direction, margin, [window.t_min(), window.t_max()]),
+                    &others.probe(ray.origin, ray.direction, margin, [window.t_min(), window.t_max()]),
                     out,
                 );
             }
-            None => self.tree.intersected_items(&self.probe(ray, window), out),
+            None => self.tree.intersected_items(&self.probe(ray, magnitude, window), out),
         }
     }
 
@@ -76,7 +75,7 @@ impl Accel {
 
     /// Starts a front-to-back traversal of the leaves with finite boxes.
     pub fn begin(&self, ray: &GroupRay<'_>, window: Window, front: &mut FrontToBack) {
-        front.begin(&self.tree, self.probe(ray, window));
+        front.begin(&self.tree, self.probe(&ray.ray, ray.magnitude, window));
     }
 
     /// One step of the traversal; returns a leaf if the step reaches one.

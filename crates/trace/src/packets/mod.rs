@@ -5,12 +5,14 @@
 //! masks, no sweep and no branch. The number of comparisons grows with the square of the number of leaves. For
 //! first hits, larger models are therefore decomposed if they are unions of solids, placed or not, each of
 //! which is small or carved (`carved`). All crossings with a union of placed solids are found ray by ray, with
-//! eight copies of a solid in the lanes (`objects/copies`). [`Weave`] traces all other models. It also traces each
+//! eight copies of a solid in the lanes (`objects/copies`), and all crossings with other large models with eight leaves in the lanes
+//! (`shapes`). [`Weave`] traces all other models. It also traces each
 //! ray whose lane is uncertain: two events occur at the same time, two crossings are so close that they may have to be welded,
 //! or the ray may lie in a face.
 
 mod carved;
 mod group;
+mod hit_block;
 mod logic;
 mod network;
 mod normal;
@@ -18,6 +20,7 @@ mod objects;
 mod places;
 mod plan;
 mod remainder;
+mod shapes;
 mod starts;
 
 use crate::Weave;
@@ -25,6 +28,7 @@ use crate::weave::WeaveScratch;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd};
 use group::{BundleEvaluation, Found, Memory, Row, WHOLE, load};
+use hit_block::HitBlock;
 use normal::Hits;
 use objects::{CopiesScratch, First, Objects, Walk};
 use plan::{APART, Common, LARGE, Plan, SMALL};
@@ -35,8 +39,9 @@ use rayweave_model::{
 };
 use rayweave_shape::dispatch_wide;
 use rayweave_shape::lanes::{LANES, Lanes, Mask, Vec3Lanes, WideLevel, splat};
+use shapes::{Listed, Shapes, ShapesScratch};
 use starts::Begin;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Number of span comparisons above which the weave computes lists of crossings faster than a plan of the
 /// whole model.
@@ -58,6 +63,8 @@ pub struct Packets {
     layers: Option<Arc<Objects>>,
     /// For all crossings with copies of solids.
     copies: Option<Arc<Objects>>,
+    /// For all crossings with large models of shapes: made on first use, as first hits and pictures do without.
+    shapes: OnceLock<Option<Arc<Shapes>>>,
     level: Option<WideLevel>,
 }
 
@@ -69,6 +76,8 @@ pub struct PacketsScratch {
     ahead: [BundleTraversal; 2],
     walk: Walk,
     copies: CopiesScratch,
+    shapes: ShapesScratch,
+    hit_block: HitBlock,
     crossings: Vec<Crossing>,
 }
 
@@ -102,7 +111,8 @@ impl Packets {
             objects.filter(|objects| comparisons > SMALL || (comparisons > APART && objects.count() > 1));
         let plan = plan.filter(|_| comparisons <= TOGETHER);
         let plan = plan.map(Box::new);
-        Packets { plan, objects, layers, copies, weave: Weave::new(program), level }
+        let shapes = OnceLock::new();
+        Packets { plan, objects, layers, copies, shapes, weave: Weave::new(program), level }
     }
 
     /// All crossings of rays with copies of solids.
@@ -138,9 +148,105 @@ impl Packets {
         }
     }
 
+    /// The tables for all crossings with a large model of shapes; `None` for other models.
+    fn shapes(&self) -> Option<&Shapes> {
+        if self.level.is_none() || self.plan.is_some() || self.copies.is_some() {
+            return None;
+        }
+        self.shapes.get_or_init(|| Shapes::new(self.weave.program()).map(Arc::new)).as_deref()
+    }
+
+    /// All crossings of rays with a large model of shapes.
+    fn among_shapes(
+        &self,
+        shapes: &Shapes,
+        rays: Rays<'_>,
+        query: &Query<'_>,
+        scratch: &mut PacketsScratch,
+        take: &mut impl TakeShapes,
+    ) {
+        let Some(level) = self.level else { return };
+        for at in (0..rays.len()).step_by(LANES) {
+            dispatch_wide!(level, simd => {
+                let prepared = shapes.prepare(simd, rays, at);
+                for ray in at..rays.len().min(at + LANES) {
+                    let starts = query.starts.map_or(&[][..], |lists| lists.of(ray));
+                    let line = (rays.get(ray), query, starts);
+                    let PacketsScratch { shapes: own, weave, .. } = &mut *scratch;
+                    match shapes.list(simd, &self.weave, (&prepared, ray - at), line, (own, weave)) {
+                        Some(Listed::Counted(starts_inside)) => {
+                            take.changes(shapes, ray, starts_inside, &scratch.shapes.changes);
+                        }
+                        Some(Listed::Swept(start)) => {
+                            take.answer(RayAnswer { ray, start, crossings: &scratch.weave.crossings });
+                        }
+                        None => one_by_one(&self.weave, rays, ray, query, weave, |answer| take.answer(answer)),
+                    }
+                }
+            });
+        }
+    }
+
     /// True if the model is traced in lanes of eight rays.
     pub fn uses_lanes(&self) -> bool {
-        self.plan.is_some() || self.objects.is_some() || self.layers.is_some() || self.copies.is_some()
+        self.plan.is_some()
+            || self.objects.is_some()
+            || self.layers.is_some()
+            || self.copies.is_some()
+            || self.shapes().is_some()
+    }
+}
+
+/// Receives the crossings of rays with a large model of shapes.
+trait TakeShapes {
+    /// The times of the changes of a ray that starts inside or outside, each with its event.
+    fn changes(&mut self, shapes: &Shapes, ray: usize, starts_inside: bool, changes: &[(f64, u64)]);
+    /// Any other answer.
+    fn answer(&mut self, answer: RayAnswer<'_>);
+}
+
+/// Receiver for lists of crossings.
+struct ShapeLists<'a> {
+    program: &'a Program,
+    sink: &'a mut dyn Sink,
+    crossings: Vec<Crossing>,
+}
+
+impl TakeShapes for ShapeLists<'_> {
+    fn changes(&mut self, shapes: &Shapes, ray: usize, starts_inside: bool, changes: &[(f64, u64)]) {
+        let start = RegionId(u32::from(starts_inside));
+        let mut before = start;
+        self.crossings.clear();
+        self.crossings.extend(changes.iter().map(|&(t, event)| {
+            let face = shapes.face(self.program, event);
+            let after = RegionId(1 - before.0);
+            let before = std::mem::replace(&mut before, after);
+            Crossing { t, face, left: face, entered: face, before, after }
+        }));
+        self.sink.ray(RayAnswer { ray, start, crossings: &self.crossings });
+    }
+
+    fn answer(&mut self, answer: RayAnswer<'_>) {
+        self.sink.ray(answer);
+    }
+}
+
+/// Receiver for hit arrays.
+struct ShapeArrays<'a, 'r, 'c> {
+    program: &'a Program,
+    rows: &'a mut HitArrayRows<'r, 'c>,
+    block: HitBlock,
+}
+
+impl TakeShapes for ShapeArrays<'_, '_, '_> {
+    fn changes(&mut self, shapes: &Shapes, ray: usize, starts_inside: bool, changes: &[(f64, u64)]) {
+        let start = starts_inside.then_some((f64::NEG_INFINITY, -1));
+        let changes = changes.iter().map(|&(t, event)| (t, shapes.face_number(event) as i32));
+        self.block.put(ray, start.into_iter().chain(changes), self.rows);
+    }
+
+    fn answer(&mut self, answer: RayAnswer<'_>) {
+        self.block.put(answer.ray, HitArrayRows::entries(self.program, &answer), self.rows);
     }
 }
 
@@ -604,7 +710,15 @@ impl Evaluator for Packets {
                 Some(objects) if query.limit == Limit::All && query.starts.is_none() => {
                     self.among_copies(objects, rays, query, scratch, |answer| sink.ray(answer));
                 }
-                _ => self.weave.crossings(rays, query, &mut scratch.weave, sink),
+                _ => match self.shapes() {
+                    Some(shapes) if query.limit == Limit::All => {
+                        let crossings = std::mem::take(&mut scratch.crossings);
+                        let mut take = ShapeLists { program: self.weave.program(), sink, crossings };
+                        self.among_shapes(shapes, rays, query, scratch, &mut take);
+                        scratch.crossings = take.crossings;
+                    }
+                    _ => self.weave.crossings(rays, query, &mut scratch.weave, sink),
+                },
             };
         };
         // the first change of region may leave the medium unchanged
@@ -624,13 +738,26 @@ impl Evaluator for Packets {
     ) -> usize {
         let query = Query { window, ..Query::default() };
         let (Some(level), Some(plan)) = (self.level, &self.plan) else {
+            if let Some(shapes) = self.shapes() {
+                let mut block = std::mem::take(&mut scratch.hit_block);
+                block.begin();
+                let mut take = ShapeArrays { program: self.weave.program(), rows, block };
+                self.among_shapes(shapes, rays, &query, scratch, &mut take);
+                let ShapeArrays { rows, mut block, .. } = take;
+                let most = block.finish(rays.len(), rows);
+                scratch.hit_block = block;
+                return most;
+            }
             let Some(objects) = &self.copies else {
                 return self.weave.hits(rays, window, &mut scratch.weave, rows);
             };
-            let (program, mut most) = (self.weave.program(), 0);
+            let (program, mut block) = (self.weave.program(), std::mem::take(&mut scratch.hit_block));
+            block.begin();
             self.among_copies(objects, rays, &query, scratch, |answer| {
-                most = most.max(rows.put(program, &answer));
+                block.put(answer.ray, HitArrayRows::entries(program, &answer), rows);
             });
+            let most = block.finish(rays.len(), rows);
+            scratch.hit_block = block;
             return most;
         };
         let mut memory = scratch.memory.take().unwrap_or_default();

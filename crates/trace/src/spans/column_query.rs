@@ -33,7 +33,7 @@ pub(super) struct ColumnRay {
 
 impl ColumnQuery for ColumnRay {
     fn intersected_leaves(&self, accel: &Accel, query: &Query<'_>, out: &mut Vec<u32>) {
-        accel.intersected_leaves(&self.ray, query.window, out);
+        accel.intersected_leaves(&self.ray.ray, self.ray.magnitude, query.window, out);
     }
 
     fn leaf(&self, program: &Program, facets: &[LeafFacet], query: &Query<'_>, events: &mut LeafEvents) {

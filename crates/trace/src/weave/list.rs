@@ -2,7 +2,7 @@
 
 use super::{Level, Weave, WeaveScratch};
 use rayweave_model::gate::NetworkState;
-use rayweave_model::weld::{LeafStates, Weld};
+use rayweave_model::weld::{LeafStates, Trajectory, Weld};
 use rayweave_model::{
     Crossing, Event, Face, GroupRay, LeafId, LeafKind, Limit, PrototypeId, Query, RegionId, Start, Sweep,
     Window, leaf_events,
@@ -14,7 +14,7 @@ const CACHED: usize = 16_000;
 
 /// A query of a group.
 #[derive(Clone, Copy)]
-pub(super) struct GroupQuery<'r> {
+pub(crate) struct GroupQuery<'r> {
     pub group: PrototypeId,
     /// The ray in the frame of the group.
     pub ray: &'r GroupRay<'r>,
@@ -39,14 +39,27 @@ impl Weave {
         let mut state = scratch.take_state(&self.program, group);
         let group_query = GroupQuery { group, ray: &seen, window: query.window, depth: 0 };
         let level = self.gather(group_query, scratch, &mut state);
+        self.swept(ray, (query, !starts.is_empty()), (level, state), scratch)
+    }
+
+    /// Appends the crossings, or the first one, from the sorted boundary events of all leaves that a ray touches. In `state` the
+    /// leaves are toggled that are inside from the start.
+    pub(crate) fn swept(
+        &self,
+        path: impl Trajectory,
+        (query, has_starts): (&Query<'_>, bool),
+        (level, mut state): (Box<Level>, Box<NetworkState>),
+        scratch: &mut WeaveScratch,
+    ) -> RegionId {
+        let group = PrototypeId(0);
         let network = &self.program.prototype(group).network;
         let mut sweep = Sweep::new(network, &mut state, &level.events, query.window.t_max());
-        while sweep.next_time().is_some_and(|t| query.is_past(t, !starts.is_empty())) {
+        while sweep.next_time().is_some_and(|t| query.is_past(t, has_starts)) {
             sweep.step();
         }
         let mut now = self.state(sweep.leaves.owner());
         let start = now.region;
-        let mut weld = Weld::new(&self.program, ray, &level.events);
+        let mut weld = Weld::new(&self.program, path, &level.events);
         let enough = |found: &[Crossing]| query.limit == Limit::First && !found.is_empty();
         while !enough(&scratch.crossings)
             && let Some(change) = sweep.next_change(&mut now, |owner| self.state(owner))
@@ -64,8 +77,7 @@ impl Weave {
 
     /// Appends the leaves of the model's own group that the ray can touch in the window.
     pub(crate) fn candidates(&self, ray: Ray, window: Window, out: &mut Vec<u32>) {
-        let seen = GroupRay::world(&self.program, ray, &[]);
-        self.accel[0].intersected_leaves(&seen, window, out);
+        self.accel[0].intersected_leaves(&ray, 0.0, window, out);
     }
 
     /// Collects the boundary events of the leaves of a group that the ray can touch in the window, sorted by
@@ -77,11 +89,8 @@ impl Weave {
         state: &mut NetworkState,
     ) -> Box<Level> {
         let mut level = scratch.take_level(group_query.depth);
-        self.accel[group_query.group.index()].intersected_leaves(
-            group_query.ray,
-            group_query.window,
-            &mut level.touched,
-        );
+        let GroupQuery { group, ray, window, .. } = group_query;
+        self.accel[group.index()].intersected_leaves(&ray.ray, ray.magnitude, window, &mut level.touched);
         let network = &self.program.prototype(group_query.group).network;
         self.read_ahead(group_query.group, &level.touched, state);
         for k in 0..level.touched.len() {
@@ -90,7 +99,7 @@ impl Weave {
                 network.toggle(state, leaf);
             }
         }
-        level.events.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
+        level.sort();
         level
     }
 
@@ -119,7 +128,7 @@ impl Weave {
     /// Appends the boundary events of a leaf of a group. Returns true if it is inside from the start. Outside
     /// of the window the events may differ from the exact ones, but the side of the leaf is correct where the
     /// window begins.
-    pub(super) fn leaf(
+    pub(crate) fn leaf(
         &self,
         group_query: GroupQuery<'_>,
         leaf: u32,

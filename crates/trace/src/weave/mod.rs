@@ -12,6 +12,7 @@ mod nearest;
 mod points;
 mod scratch;
 
+pub(crate) use list::GroupQuery;
 pub use scratch::WeaveScratch;
 
 use crate::accel::Accel;
@@ -19,7 +20,7 @@ use rayweave_math::Vec3;
 use rayweave_model::{
     Evaluator, GroupPoint, Limit, Program, PrototypeId, Query, RayAnswer, Rays, RegionId, Sink, State, Window,
 };
-use scratch::Level;
+pub(crate) use scratch::Level;
 use std::sync::Arc;
 
 /// The evaluator for models of any size.
@@ -54,7 +55,7 @@ const FEW: usize = 12;
 
 /// The query for a ray that starts on surfaces, limited to t >= 0. Before t = 0 a leaf with a start surface may have
 /// either side, even outside of its box.
-fn from_zero<'a>(query: &Query<'a>) -> Query<'a> {
+pub(crate) fn from_zero<'a>(query: &Query<'a>) -> Query<'a> {
     match Window::new(query.window.t_min().max(0.0), query.window.t_max()) {
         Ok(window) => Query { window, ..*query },
         Err(_) => *query,

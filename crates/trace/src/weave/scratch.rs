@@ -14,19 +14,26 @@ pub struct WeaveScratch {
     /// Buffers per nesting level.
     levels: Vec<Option<Box<Level>>>,
     pub(super) traversal: TraversalBuffers,
-    pub(super) crossings: Vec<Crossing>,
+    pub(crate) crossings: Vec<Crossing>,
     /// Number of leaves intersected so far.
     pub(super) intersected_leaves: u64,
 }
 
 /// The buffers of one sweep.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Level {
+pub(crate) struct Level {
     pub touched: Vec<u32>,
     pub events: Vec<Event>,
     /// The changes of a placed solid, from the next nesting level.
     pub inner: Vec<(f64, Face)>,
     pub leaf: LeafEvents,
+}
+
+impl Level {
+    /// Sorts the events by time, and those at one time by leaf.
+    pub fn sort(&mut self) {
+        self.events.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
+    }
 }
 
 /// The buffers of a front-to-back sweep.
@@ -59,7 +66,7 @@ impl WeaveScratch {
     }
 
     /// Empty buffers for a nesting level.
-    pub(super) fn take_level(&mut self, depth: usize) -> Box<Level> {
+    pub(crate) fn take_level(&mut self, depth: usize) -> Box<Level> {
         if self.levels.len() <= depth {
             self.levels.resize_with(depth + 1, || None);
         }
@@ -69,11 +76,11 @@ impl WeaveScratch {
         level
     }
 
-    pub(super) fn give_level(&mut self, depth: usize, level: Box<Level>) {
+    pub(crate) fn give_level(&mut self, depth: usize, level: Box<Level>) {
         self.levels[depth] = Some(level);
     }
 
-    pub(super) fn take_state(&mut self, program: &Program, group: PrototypeId) -> Box<NetworkState> {
+    pub(crate) fn take_state(&mut self, program: &Program, group: PrototypeId) -> Box<NetworkState> {
         if self.states.is_empty() {
             self.states.resize_with(program.prototypes().len(), || None);
         }

@@ -8,6 +8,7 @@ mod aim;
 mod arrange;
 mod combine;
 mod crowd;
+mod large;
 mod layers;
 mod oracle;
 mod placed;

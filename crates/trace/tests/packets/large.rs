@@ -1,0 +1,133 @@
+//! Large models, whose leaves are intersected eight at a time for all crossings.
+
+use crate::arrange::{cube, cylinder, sphere};
+use crate::oracle::{Oracle, Setting, levels};
+use crate::starts;
+use rayweave_conformance::models::shape;
+use rayweave_conformance::{Random, Tally, scale};
+use rayweave_math::{Affine, Vec3};
+use rayweave_model::{Evaluator, Program, Query, RayAnswer, RayBatch, Region, Solid};
+use rayweave_shape::Ray;
+use rayweave_shape::primitive::{Value, build};
+use rayweave_trace::Packets;
+use std::sync::Arc;
+
+/// Cubes of a grid that fills the cube between -1 and 1, most of which touch others.
+fn blocks(rng: &mut Random, count: usize) -> Vec<Solid> {
+    let at = |rng: &mut Random| (2 * rng.below(4)) as f64 / 4.0 - 0.75;
+    let place = |rng: &mut Random| Vec3::new(at(rng), at(rng), at(rng));
+    (0..count).map(|_| cube(Vec3::splat(0.25)).translate(place(rng))).collect()
+}
+
+/// Balls of a grid that touch or overlap.
+fn balls(rng: &mut Random, count: usize) -> Vec<Solid> {
+    let at = |rng: &mut Random| rng.below(5) as f64 / 2.0 - 1.0;
+    (0..count)
+        .map(|_| {
+            let place = Vec3::new(at(rng), at(rng), at(rng));
+            sphere(rng.pick(&[0.25, 0.25, 0.25 + 1e-15, 0.2, 0.4])).translate(place)
+        })
+        .collect()
+}
+
+/// Models of one gate, of several gates and of several regions.
+fn models(rng: &mut Random) -> Vec<(&'static str, Vec<Solid>)> {
+    let turn = Affine::rotation(rng.direction(), 40.0);
+    let turned = |solids: Vec<Solid>| solids.into_iter().map(|solid| solid.apply(turn)).collect::<Vec<_>>();
+    let at_zero = [("normal", Value::from(Vec3::Z)), ("offset", Value::Number(0.0))];
+    let half_space = Solid::from(build("half_space", &at_zero).expect("a valid shape"));
+    let ring = shape("torus", &[("major", 0.6), ("minor", 0.2)]);
+    let bores = |rng: &mut Random| {
+        let at = |rng: &mut Random| rng.below(9) as f64 / 4.0 - 1.0;
+        let bore = |rng: &mut Random| cylinder(0.125, 1.0).translate([at(rng), at(rng), 0.0]);
+        Solid::union((0..40).map(|_| bore(rng)).collect::<Vec<_>>())
+    };
+    vec![
+        ("random balls", vec![scale::spheres(200, 3)]),
+        ("plate", vec![scale::plate(64)]),
+        ("touching holes", vec![cube(Vec3::new(1.0, 1.0, 0.25)) - bores(rng)]),
+        ("balls on a grid", vec![Solid::union(balls(rng, 60))]),
+        ("odd balls", vec![Solid::symmetric_difference(balls(rng, 50))]),
+        ("blocks", vec![Solid::union(blocks(rng, 50))]),
+        ("turned blocks", vec![Solid::union(turned(blocks(rng, 50)))]),
+        ("half space with pits", vec![half_space.clone() - Solid::union(balls(rng, 50))]),
+        ("its complement", vec![!(half_space - Solid::union(balls(rng, 50)))]),
+        ("blocks, bores and a ring", vec![(Solid::union(blocks(rng, 50)) - bores(rng)) | ring]),
+        ("sponge", vec![scale::sponge(80)]),
+        ("two media", vec![Solid::union(blocks(rng, 30)), Solid::union(balls(rng, 30))]),
+    ]
+}
+
+/// A ray to a point in the cube: any, along an axis on the grid, or from within.
+fn ray(rng: &mut Random) -> Ray {
+    let grid = |rng: &mut Random| rng.below(17) as f64 / 8.0 - 1.0;
+    let on_grid = Vec3::new(grid(rng), grid(rng), grid(rng));
+    let to = if rng.chance(0.5) { on_grid } else { rng.point(1.0) };
+    let along = match rng.below(4) {
+        0 => rng.pick(&Vec3::AXES),
+        1 => Vec3::ONE - 2.0 * rng.pick(&Vec3::AXES),
+        _ => rng.direction(),
+    };
+    let nearly = rng.pick(&[0.0, 0.0, 1e-15, 1e-9, 1e-4]) * rng.direction();
+    Ray::new(to - rng.pick(&[0.0, 1.0, 4.0]) * along, along + nearly)
+}
+
+fn settings(rng: &mut Random, count: usize) -> Vec<Setting> {
+    models(rng)
+        .into_iter()
+        .map(|(name, solids)| {
+            let region = |(k, solid)| Region { name: format!("{k}"), solid, medium: 1 + k as u32 };
+            let regions = solids.into_iter().enumerate().map(region).collect();
+            let rays = (0..count).map(|_| ray(rng)).collect();
+            Setting::new(regions, rays, name.to_owned()).unwrap_or_else(|| panic!("{name} is in lanes"))
+        })
+        .collect()
+}
+
+#[test]
+fn large_models() {
+    let mut oracle = Oracle::new("large models");
+    for seed in 0..6 {
+        let rng = &mut Random::new(11 << 40 | seed);
+        for setting in settings(rng, 120) {
+            oracle.everything(&setting, rng, &levels());
+        }
+    }
+    oracle.finish(30_000);
+}
+
+/// Lists of any length: also all surfaces at the start.
+#[test]
+fn starts_in_large_models() {
+    let mut tally = Tally::new("rays that start on surfaces of large models");
+    for seed in 0..4 {
+        let rng = &mut Random::new(12 << 40 | seed);
+        for setting in settings(rng, 60) {
+            starts::follow(&setting, rng.pick(&levels()), rng, &mut tally);
+        }
+    }
+    tally.finish(8_000);
+}
+
+/// Few leaves are left to the scalar kernels, and few rays to the weave.
+#[test]
+fn leaves_of_large_models_are_in_lanes() {
+    if Packets::new(Arc::new(Program::compile(&sphere(1.0)).unwrap())).uses_lanes() {
+        for solid in [scale::spheres(2000, 1), scale::plate(2000), scale::sponge(2000)] {
+            let packets = Packets::new(Arc::new(Program::compile(&solid).unwrap()));
+            let rng = &mut Random::new(13);
+            let rays: RayBatch = (0..1000)
+                .map(|_| {
+                    let from = 4.0 * rng.direction();
+                    Ray::new(from, rng.point(0.9) - from)
+                })
+                .collect();
+            let (mut scratch, mut crossings) = (packets.scratch(), 0);
+            packets.crossings(rays.rays(), &Query::default(), &mut scratch, &mut |answer: RayAnswer<'_>| {
+                crossings += answer.crossings.len();
+            });
+            let leaves = scratch.fallback_leaf_count();
+            assert!(crossings > 1000 && leaves < 20, "{crossings} {leaves}");
+        }
+    }
+}
