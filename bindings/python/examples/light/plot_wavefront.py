@@ -25,7 +25,7 @@ left.set(aspect="equal", title=f"RMS {wavefront.rms:.3f} waves")
 right.bar(fit["index"][1:], fit["coefficient"][1:])
 right.set(xlabel="number after Noll", ylabel="coefficient in waves")
 
-# the polynomials have unit mean square: squares of coefficients add up to the variance
-total = (fit["coefficient"][1:] ** 2).sum() + fit.residual_rms**2
+# the polynomials have unit mean square: squares of coefficients, from the fourth without piston and tilts, add up to the variance
+total = (fit["coefficient"][3:] ** 2).sum() + fit.residual_rms**2
 print(f"variance of the fit {total:.5f}, of the wavefront {wavefront.rms**2:.5f}")
 assert abs(total - wavefront.rms**2) < 0.05 * total

@@ -30,9 +30,10 @@ impl ErrorOf {
 }
 
 /// Merits with their names.
-const MERITS: [(&str, Merit); 5] = [
+const MERITS: [(&str, Merit); 6] = [
     ("spot", Merit::SpotRms),
     ("wavefront", Merit::WavefrontRms),
+    ("wavefront about chief ray", Merit::WavefrontRmsAboutChiefRay),
     ("focal length", Merit::FocalLength),
     ("back focal distance", Merit::BackFocalDistance),
     ("image shift", Merit::ImageShift),
@@ -130,6 +131,9 @@ impl GoalOf {
             }
             ("wavefront", &[field, wavelength_nm]) => {
                 Operand::Wavefront { field: whole("field", field)?, wavelength_nm }
+            }
+            ("wavefront about chief ray", &[field, wavelength_nm]) => {
+                Operand::WavefrontAboutChiefRay { field: whole("field", field)?, wavelength_nm }
             }
             ("distortion", &[field]) => Operand::Distortion { field: whole("field", field)? },
             ("edge", &[surface, height]) => {

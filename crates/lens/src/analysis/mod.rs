@@ -57,5 +57,5 @@ pub use pupil::{PupilQuadrature, fan_x, fan_y, hexapolar, square};
 pub use spot::Spot;
 pub use study::{Fan, Study, needs_aiming};
 pub use wavefront::Wavefront;
-pub(crate) use wavefront::reference_radius;
+pub(crate) use wavefront::{reference_radius, weighted_rms, without_piston, without_tilt};
 pub use zernike::{ZernikeFit, ZernikePolynomial, fit_zernike};

@@ -43,11 +43,19 @@ impl Wavefront {
         self.waves.iter().sum::<f64>() / self.waves.len() as f64
     }
 
-    /// The standard deviation of the differences over the points; NaN if there are none.
+    /// The RMS of the differences about the centroid of the image: the standard deviation of what remains without the
+    /// tilt, the linear function of the coordinates of the pupil that fits best, over points that count equally. A tilt
+    /// moves the image and leaves its sharpness (V. N. Mahajan, J. Opt. Soc. Am. 72, 1258, 1982). NaN if there are no points.
     pub fn rms(&self) -> f64 {
-        let mean = self.mean();
-        let squares = self.waves.iter().map(|wave| (wave - mean) * (wave - mean)).sum::<f64>();
-        (squares / self.waves.len() as f64).sqrt()
+        let weights = vec![1.0; self.waves.len()];
+        weighted_rms(&without_tilt(&self.pupil, &self.waves, &weights), &weights)
+    }
+
+    /// The RMS of the differences from the reference sphere about the chief ray: their standard deviation over the
+    /// points, which includes tilt; NaN if there are none.
+    pub fn rms_about_chief_ray(&self) -> f64 {
+        let weights = vec![1.0; self.waves.len()];
+        weighted_rms(&without_piston(&self.waves, &weights), &weights)
     }
 
     /// The greatest difference minus the least.
@@ -56,12 +64,48 @@ impl Wavefront {
         fold(f64::NEG_INFINITY, f64::max) - fold(f64::INFINITY, f64::min)
     }
 
-    /// The Strehl ratio in Mahajan's approximation exp(-(2 pi rms)^2), accurate for ratios above 0.1 (V. N.
-    /// Mahajan, J. Opt. Soc. Am. 73, 860, 1983).
+    /// The Strehl ratio in Mahajan's approximation exp(-(2 pi rms)^2) with the RMS about the centroid, accurate for
+    /// ratios above 0.1 (V. N. Mahajan, J. Opt. Soc. Am. 73, 860, 1983): an estimate of the peak of the point spread
+    /// function, wherever on the image it lies, over that of a lens without aberrations.
     pub fn strehl(&self) -> f64 {
         let phase = std::f64::consts::TAU * self.rms();
         libm::exp(-phase * phase)
     }
+}
+
+/// The differences from their weighted mean.
+pub(crate) fn without_piston(waves: &[f64], weights: &[f64]) -> Vec<f64> {
+    let mean = weighted_mean(waves.iter().copied(), weights);
+    waves.iter().map(|wave| wave - mean).collect()
+}
+
+/// The differences without piston and tilt: the residuals of the weighted least-squares fit by a linear function of the
+/// coordinates of the pupil. Points on a line determine the tilt along that line only.
+pub(crate) fn without_tilt(pupil: &[[f64; 2]], waves: &[f64], weights: &[f64]) -> Vec<f64> {
+    let along = |axis: usize| pupil.iter().map(|point| point[axis]).collect::<Vec<f64>>();
+    let x = without_piston(&along(0), weights);
+    let y = without_multiple(&without_piston(&along(1), weights), &x, weights);
+    // orthogonal functions: their coefficients are independent
+    let flat = without_multiple(&without_piston(waves, weights), &x, weights);
+    without_multiple(&flat, &y, weights)
+}
+
+/// The values without the multiple of a function that fits them best; coordinates of a pupil, whose semi-diameter is 1,
+/// that differ by rounding alone are no function to fit.
+fn without_multiple(values: &[f64], function: &[f64], weights: &[f64]) -> Vec<f64> {
+    let mean = |other: &[f64]| weighted_mean(other.iter().zip(function).map(|(a, b)| a * b), weights);
+    let square = mean(function);
+    let factor = if square > 1e-24 { mean(values) / square } else { 0.0 };
+    values.iter().zip(function).map(|(value, at)| value - factor * at).collect()
+}
+
+/// The root of the weighted mean square; NaN if there are no values.
+pub(crate) fn weighted_rms(values: &[f64], weights: &[f64]) -> f64 {
+    weighted_mean(values.iter().map(|value| value * value), weights).sqrt()
+}
+
+fn weighted_mean(values: impl Iterator<Item = f64>, weights: &[f64]) -> f64 {
+    values.zip(weights).map(|(value, weight)| weight * value).sum::<f64>() / weights.iter().sum::<f64>()
 }
 
 /// The radius of the reference sphere: the distance from the exit pupil, at `exit` on the axis, to the point

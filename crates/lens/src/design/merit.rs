@@ -1,6 +1,6 @@
 //! Merit functions of tolerancing.
 
-use super::variant::Variant;
+use super::variant::{Variant, WavefrontReference};
 use super::{DesignError, DesignParameter};
 use crate::analysis::{Arrival, PupilQuadrature, Spot, defocused, focal_moments};
 use crate::prescription::Prescription;
@@ -11,8 +11,13 @@ pub enum Merit {
     /// The RMS radius of the spots about their centroids, over all wavelengths with their weights; the root
     /// mean square over all fields.
     SpotRms,
-    /// The RMS of the wavefronts at the primary wavelength, in waves; the root mean square over all fields.
+    /// The RMS of the wavefronts about the centroids of the images, without tilt
+    /// ([`Wavefront::rms`](crate::analysis::Wavefront::rms)), at the primary wavelength, in waves; the root mean square
+    /// over all fields.
     WavefrontRms,
+    /// The same about the chief rays, with tilt
+    /// ([`Wavefront::rms_about_chief_ray`](crate::analysis::Wavefront::rms_about_chief_ray)).
+    WavefrontRmsAboutChiefRay,
     /// The focal length at the primary wavelength.
     FocalLength,
     /// The distance from the last vertex to the back focal point at the primary wavelength.
@@ -74,7 +79,7 @@ impl MeritEvaluator {
                 let (images, shift) = self.images(&variant)?;
                 Ok(MeritValue { merit: self.of_spots(&images), shift, lost: self.lost(lens, &images) })
             }
-            Merit::WavefrontRms => {
+            Merit::WavefrontRms | Merit::WavefrontRmsAboutChiefRay => {
                 let (images, shift) = self.images(&variant)?;
                 let lost = self.lost(lens, &images);
                 Ok(MeritValue { merit: self.of_wavefronts(&variant, shift)?, shift, lost })
@@ -132,9 +137,13 @@ impl MeritEvaluator {
 
     fn of_wavefronts(&self, variant: &Variant, shift: f64) -> Result<f64, DesignError> {
         let nm = variant.lens.primary_nm();
+        let reference = match self.merit {
+            Merit::WavefrontRmsAboutChiefRay => WavefrontReference::ChiefRay,
+            _ => WavefrontReference::Centroid,
+        };
         let rms = |field: usize| {
             let wavefront = variant.wavefront(field, nm, &self.pupil, shift)?;
-            Ok::<f64, DesignError>(wavefront.map_or(f64::NAN, |wavefront| wavefront.rms()))
+            Ok::<f64, DesignError>(wavefront.map_or(f64::NAN, |wavefront| wavefront.rms(reference)))
         };
         let found: Result<Vec<f64>, _> = (0..variant.lens.fields.len()).map(rms).collect();
         Ok(self.root_mean_square(found?.into_iter()))

@@ -1,6 +1,6 @@
 //! Operands and goals of an optimisation.
 
-use super::variant::Variant;
+use super::variant::{Variant, WavefrontReference};
 use super::{DesignError, DesignParameter};
 use crate::analysis::{Arrival, Distortion, PupilQuadrature, Spot, paraxial_height};
 use crate::paraxial::Seidel;
@@ -63,9 +63,18 @@ pub enum Operand {
         /// about the common centroid, so that lateral colour counts.
         wavelength_nm: Option<f64>,
     },
-    /// The optical path differences of the rays of a field from their mean, in waves, times the roots of the
-    /// weights: the root of the sum of their squares is the RMS of the wavefront.
+    /// The optical path differences of the rays of a field about the centroid of the image, without piston and tilt, in
+    /// waves, times the roots of the weights: the root of the sum of their squares is the RMS of the wavefront
+    /// ([`Wavefront::rms`](crate::analysis::Wavefront::rms)).
     Wavefront {
+        /// The field, counted from 0.
+        field: usize,
+        /// The wavelength in nanometres.
+        wavelength_nm: f64,
+    },
+    /// The same from the reference sphere about the chief ray, with tilt
+    /// ([`Wavefront::rms_about_chief_ray`](crate::analysis::Wavefront::rms_about_chief_ray)).
+    WavefrontAboutChiefRay {
         /// The field, counted from 0.
         field: usize,
         /// The wavelength in nanometres.
@@ -145,7 +154,7 @@ impl Goal {
         match self.operand {
             Operand::Spot { wavelength_nm: Some(_), .. } => 2 * rays,
             Operand::Spot { wavelength_nm: None, .. } => 2 * rays * lines,
-            Operand::Wavefront { .. } => rays,
+            Operand::Wavefront { .. } | Operand::WavefrontAboutChiefRay { .. } => rays,
             _ => 1,
         }
     }
@@ -158,7 +167,12 @@ impl Goal {
     ) -> Result<Option<Vec<f64>>, DesignError> {
         let values = match self.operand {
             Operand::Spot { field, wavelength_nm } => spot(variant, field, wavelength_nm, pupil)?,
-            Operand::Wavefront { field, wavelength_nm } => wavefront(variant, field, wavelength_nm, pupil)?,
+            Operand::Wavefront { field, wavelength_nm } => {
+                wavefront(variant, field, wavelength_nm, pupil, WavefrontReference::Centroid)?
+            }
+            Operand::WavefrontAboutChiefRay { field, wavelength_nm } => {
+                wavefront(variant, field, wavelength_nm, pupil, WavefrontReference::ChiefRay)?
+            }
             Operand::Distortion { field } => distortion(variant, field)?.map(|value| vec![value]),
             operand => Some(vec![number(operand, variant)?]),
         };
@@ -202,10 +216,11 @@ fn wavefront(
     field: usize,
     wavelength_nm: f64,
     pupil: &PupilQuadrature,
+    reference: WavefrontReference,
 ) -> Result<Option<Vec<f64>>, DesignError> {
     let found = variant.wavefront(field, wavelength_nm, pupil, 0.0)?;
-    let whole = found.filter(|wavefront| wavefront.waves.len() == pupil.points.len());
-    Ok(whole.map(|wavefront| wavefront.deviations().map(|(off, weight)| weight.sqrt() * off).collect()))
+    let whole = found.filter(|wavefront| wavefront.weights.len() == pupil.points.len());
+    Ok(whole.map(|wavefront| wavefront.deviations(reference)))
 }
 
 /// The relative distortion of a field; `None` if its chief ray does not arrive.
@@ -242,7 +257,10 @@ fn number(operand: Operand, variant: &Variant) -> Result<f64, DesignError> {
         Operand::Value(parameter) => parameter.value(lens)?,
         Operand::EdgeThickness { surface, height } => edge(variant, surface, height)?,
         // these need rays
-        Operand::Spot { .. } | Operand::Wavefront { .. } | Operand::Distortion { .. } => f64::NAN,
+        Operand::Spot { .. }
+        | Operand::Wavefront { .. }
+        | Operand::WavefrontAboutChiefRay { .. }
+        | Operand::Distortion { .. } => f64::NAN,
     })
 }
 

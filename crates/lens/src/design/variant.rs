@@ -1,7 +1,10 @@
 //! Prescriptions with changed parameters, and their images.
 
 use super::{DesignError, DesignParameter, Quantity};
-use crate::analysis::{Arrival, PupilQuadrature, Wavefront, defocused, reference_radius, sequential_arrival};
+use crate::analysis::{
+    Arrival, PupilQuadrature, Wavefront, defocused, reference_radius, sequential_arrival, weighted_rms,
+    without_piston, without_tilt,
+};
 use crate::paraxial::FirstOrder;
 use crate::prescription::{Pose, Prescription, PrescriptionError, Resolved, Surface, SurfaceIntersection};
 use rayweave_math::{Affine, Vec3};
@@ -124,34 +127,47 @@ impl Variant {
         let image = self.lens.surfaces.iter().map(|surface| surface.thickness).sum::<f64>();
         let exit = self.first_order(wavelength_nm)?.exit_pupil.position - image;
         let radius = reference_radius(principal, exit);
-        let waves = Wavefront::new(principal, &found, &pupil.points, radius, self.lens.unit_nm).waves;
-        Ok(Some(WeightedWaves { waves, weights: found.iter().map(|arrival| arrival.power).collect() }))
+        let front = Wavefront::new(principal, &found, &pupil.points, radius, self.lens.unit_nm);
+        Ok(Some(WeightedWaves { front, weights: found.iter().map(|arrival| arrival.power).collect() }))
     }
 }
 
-/// Optical path differences in waves, with the weights of the points of the pupil.
+/// The reference of a wavefront.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum WavefrontReference {
+    /// The centroid of the image: without tilt.
+    Centroid,
+    /// The point of the chief ray on the image.
+    ChiefRay,
+}
+
+/// A wavefront with the weights of the points of the pupil.
 #[derive(Clone, Debug)]
 pub(super) struct WeightedWaves {
-    pub waves: Vec<f64>,
+    pub front: Wavefront,
     pub weights: Vec<f64>,
 }
 
 impl WeightedWaves {
-    /// The differences from their mean with their weights, whose sum is 1.
-    pub fn deviations(&self) -> impl Iterator<Item = (f64, f64)> {
+    /// The differences about a reference.
+    fn differences(&self, reference: WavefrontReference) -> Vec<f64> {
+        let Wavefront { pupil, waves } = &self.front;
+        match reference {
+            WavefrontReference::Centroid => without_tilt(pupil, waves, &self.weights),
+            WavefrontReference::ChiefRay => without_piston(waves, &self.weights),
+        }
+    }
+
+    /// The differences about a reference, times the roots of the weights of their points, whose sum is 1.
+    pub fn deviations(&self, reference: WavefrontReference) -> Vec<f64> {
         let total: f64 = self.weights.iter().sum();
-        let all =
-            || self.waves.iter().zip(&self.weights).map(move |(waves, weight)| (*waves, weight / total));
-        let mean: f64 = all().map(|(waves, weight)| weight * waves).sum();
-        all().map(move |(waves, weight)| (waves - mean, weight))
+        let differences = self.differences(reference);
+        differences.iter().zip(&self.weights).map(|(off, weight)| (weight / total).sqrt() * off).collect()
     }
 
     /// The RMS over the pupil; NaN if there are no points.
-    pub fn rms(&self) -> f64 {
-        match self.waves.is_empty() {
-            true => f64::NAN,
-            false => self.deviations().map(|(off, weight)| weight * off * off).sum::<f64>().sqrt(),
-        }
+    pub fn rms(&self, reference: WavefrontReference) -> f64 {
+        weighted_rms(&self.differences(reference), &self.weights)
     }
 }
 

@@ -102,8 +102,58 @@ fn wavefronts_of_defocus_and_tilt() {
     }
     assert!(found.peak_to_valley() > 0.03);
     let flat = Wavefront { pupil: pupil.clone(), waves: pupil.iter().map(|[x, _]| 0.2 * x).collect() };
-    near(flat.rms(), 0.1, 1e-3);
-    near(flat.strehl(), (-(0.2 * std::f64::consts::PI).powi(2)).exp(), 1e-2);
+    near(flat.rms_about_chief_ray(), 0.1, 1e-3);
+    near(flat.rms(), 0.0, 1e-13);
+    near(flat.strehl(), 1.0, 1e-13);
+}
+
+/// The RMS of coma, r^3 cos t, is 1 / sqrt(8) about the chief ray and 1 / sqrt(72) about the centroid: the tilt that fits
+/// it best is 2 r cos t / 3 (V. N. Mahajan, J. Opt. Soc. Am. 72, 1258, 1982, table I).
+#[test]
+fn the_rms_about_the_centroid_is_without_tilt() {
+    let pupil = square(301);
+    let coma = |&[x, y]: &[f64; 2]| (x * x + y * y) * (0.8 * y - 0.6 * x);
+    let tilted = |at: &[f64; 2]| 0.7 + 5.0 * at[0] - 3.0 * at[1] + coma(at);
+    let front = Wavefront { waves: pupil.iter().map(coma).collect(), pupil: pupil.clone() };
+    near(front.rms_about_chief_ray(), 1.0 / 8f64.sqrt(), 2e-3);
+    near(front.rms(), 1.0 / 72f64.sqrt(), 1e-3);
+    let moved = Wavefront { waves: pupil.iter().map(tilted).collect(), pupil };
+    near(moved.rms(), front.rms(), 1e-12);
+    // a fan determines one tilt only: the best line through x^3 from -1 to 1 is 3 x / 5
+    for fan in [fan_x(2001), fan_y(2001)] {
+        let waves = fan.iter().map(|[x, y]| (x + y).powi(3)).collect();
+        near(Wavefront { pupil: fan, waves }.rms(), (4.0_f64 / 175.0).sqrt(), 2e-3);
+    }
+    assert_eq!(Wavefront { pupil: vec![[0.3, 0.4]], waves: vec![2.0] }.rms(), 0.0);
+    assert!(Wavefront::default().rms().is_nan() && Wavefront::default().strehl().is_nan());
+}
+
+/// The peak of the point spread function of a paraboloid off the axis: the sum of the plane waves of all rays at points
+/// of the image, without any reference sphere.
+#[test]
+fn the_strehl_ratio_is_that_of_the_peak() {
+    let lens = Prescription::new(vec![Surface::new(-400.0, -200.0, Behind::Mirror).conic(-1.0)])
+        .entrance_pupil_diameter(40.0)
+        .field_angles(&[0.5]);
+    let pupil = square(41);
+    let (front, rays) = study(&lens, |study| {
+        (study.wavefront(0, D_NM, &pupil).unwrap(), study.arrivals(0, D_NM, &pupil).unwrap())
+    });
+    let centre = Spot::of(&rays).unwrap().centroid;
+    let number = std::f64::consts::TAU / (D_NM * 1e-6);
+    let brightness = |[dx, dy]: [f64; 2]| {
+        let at = Vec3::new(centre[0] + dx, centre[1] + dy, rays[0].position.z);
+        let phase = |ray: &Arrival| number * (ray.path + ray.direction.dot(at - ray.position));
+        let parts = rays.iter().map(|ray| phase(ray).sin_cos());
+        let (sin, cos) = parts.fold((0.0, 0.0), |(a, b), (sin, cos)| (a + sin, b + cos));
+        (sin * sin + cos * cos) / (rays.len() as f64).powi(2)
+    };
+    // the Airy disk has a radius of 0.0036 mm
+    let steps = || (-40..=40).map(|k| 2e-4 * f64::from(k));
+    let peak = steps().flat_map(|x| steps().map(move |y| brightness([x, y]))).fold(0.0, f64::max);
+    near(peak, 0.72, 0.02);
+    near(front.strehl(), peak, 0.02);
+    assert!(front.rms_about_chief_ray() > 2.5 * front.rms());
 }
 
 #[test]

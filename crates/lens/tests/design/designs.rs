@@ -132,7 +132,8 @@ fn found(name: &str, lens: &Prescription, field: Option<usize>, quantity: &str) 
     assert_eq!(rays.len(), pupil.len(), "{name} {field}");
     match quantity {
         "rms spot" => mm(lens) * Spot::of(&rays).unwrap().rms,
-        _ => study.wavefront(field, nm, &pupil).unwrap().rms(),
+        // the peers do not remove tilt
+        _ => study.wavefront(field, nm, &pupil).unwrap().rms_about_chief_ray(),
     }
 }
 

@@ -1,8 +1,11 @@
 //! Optimisations with closed-form solutions.
 
 use crate::lenses::near;
+use rayweave_lens::analysis::{Study, square};
 use rayweave_lens::design::{DesignParameter, Goal, Operand, Optimiser, Optimum, SeidelTerm};
 use rayweave_lens::prescription::{Behind, Prescription, Surface};
+use rayweave_optics::Tracer;
+use rayweave_trace::Packets;
 
 fn parameter(name: &str) -> DesignParameter {
     name.parse().unwrap()
@@ -43,6 +46,30 @@ fn the_singlet_of_best_form() {
         near(found.lens.first_order(587.5618).unwrap().focal_length, 100.0, 1e-4);
         assert!(found.after < found.before, "{found:?}");
     }
+}
+
+/// The goals of a field off the axis have the RMS of the study over the same points.
+#[test]
+fn wavefront_goals_have_the_rms_of_both_references() {
+    let mut lens = Prescription { fields: vec![[0.0, 0.0], [0.0, 3.0]], ..singlet(1.5) };
+    lens.surfaces[0].thickness = 4.0;
+    let nm = 587.5618;
+    let found = Optimiser::new(&lens)
+        .vary(parameter("thickness 2"))
+        .goal(Goal::equal(Operand::Wavefront { field: 1, wavelength_nm: nm }, 0.0))
+        .goal(Goal::equal(Operand::WavefrontAboutChiefRay { field: 1, wavelength_nm: nm }, 0.0))
+        .rings(12)
+        .run()
+        .unwrap();
+    let layout = lens.assembly().unwrap();
+    let system = layout.assembly.compile().unwrap();
+    let tracer = Tracer::new(&system, Packets::new);
+    let even = square(201).into_iter().map(|point| point.map(|x| 0.999_999 * x)).collect::<Vec<_>>();
+    let front = Study::new(&lens, &layout, &tracer).wavefront(1, nm, &even).unwrap();
+    let [centroid, chief] = [0, 1].map(|k: usize| found.goals[k].values[0]);
+    near(centroid, front.rms(), 0.01 * centroid);
+    near(chief, front.rms_about_chief_ray(), 0.01 * chief);
+    assert!(chief > 1.05 * centroid, "{chief} {centroid}");
 }
 
 #[test]

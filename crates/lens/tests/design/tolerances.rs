@@ -165,6 +165,21 @@ fn refocusing_compensates_a_thickness_error() {
     assert!(back < 1e-6, "{back}");
 }
 
+/// A paraboloid tilted by a has the coma W r^3 cos t with W = a h^3 / (4 f^2) (D. J. Schroeder, Astronomical Optics, 2000,
+/// section 5.1): an RMS of W / sqrt(8) about the chief ray and of W / sqrt(72) about the centroid.
+#[test]
+fn the_coma_of_a_tilted_mirror_moves_the_image() {
+    let lens = paraboloid().entrance_pupil_diameter(20.0);
+    let angle = 0.02_f64;
+    let coma = angle.to_radians() * 1e3 / (4.0 * 1e4) / 587.5618e-6;
+    for (merit, squares) in [(Merit::WavefrontRms, 72.0_f64), (Merit::WavefrontRmsAboutChiefRay, 8.0)] {
+        let trials = Tolerancing::new(&lens, merit).add("tilt x 1".parse().unwrap(), Spread::Uniform(angle));
+        let found = trials.refocused().sensitivities().unwrap()[0];
+        near(found.plus, coma / squares.sqrt(), 0.01 * found.plus);
+        near(found.minus, found.plus, 1e-6);
+    }
+}
+
 /// A round lens has no preferred side: moving it by d changes the image of the field f as moving it by -d changes that
 /// of -f. A merit over fields on one side is therefore not even in d, one over both sides is.
 #[test]

@@ -86,7 +86,7 @@ fn prescribed(lens: &Prescription) -> Hash {
             tracer.trace(&beam, &TraceSettings { threshold: 1e-3, ..TraceSettings::default() }).unwrap();
         segments(&mut hash, &trace.segments);
         if let Ok(wavefront) = study.wavefront(field, lens.primary_nm(), &hexapolar(3)) {
-            hash.numbers([&wavefront.rms(), &wavefront.peak_to_valley()]);
+            hash.numbers([&wavefront.rms_about_chief_ray(), &wavefront.peak_to_valley()]);
         }
     }
     hash

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 #: The half-width of a uniform distribution, or ("uniform", half-width), or ("normal", standard deviation).
 Spread = float | tuple[Literal["uniform", "normal"], float]
 
-Merit = Literal["spot", "wavefront", "focal length", "back focal distance", "image shift"]
+Merit = Literal["spot", "wavefront", "wavefront about chief ray", "focal length", "back focal distance", "image shift"]
 
 
 class Sensitivities(Columns):
@@ -132,7 +132,8 @@ def tolerance(
 
     - "spot": the RMS radius of the spots. A spot contains all wavelengths about their common centroid; rays have the weight of their
       wavelength times that of their point of the pupil (`pupil_quadrature`);
-    - "wavefront": the RMS of the wavefronts at the primary wavelength, in waves;
+    - "wavefront": the RMS of the wavefronts at the primary wavelength, in waves, without tilt, as `Wavefront.rms`;
+    - "wavefront about chief ray": the same with tilt, as `Wavefront.rms_about_chief_ray`;
     - "focal length", "back focal distance";
     - "image shift": the displacement of the first field's centroid.
 
@@ -159,7 +160,7 @@ def tolerance(
     if not isinstance(errors, Mapping):
         raise TypeError(f"errors is {errors!r}: it must be a dict of parameters with their deviations.")
     spreads = {text(name, "a parameter"): _spread(name, spread) for name, spread in errors.items()}
-    needs_rings = merit in ("spot", "wavefront")
+    needs_rings = merit in _RAY_OPERANDS
     found = _core.tolerance(
         _lens(lens),
         [(name, kind, scale) for name, (kind, scale) in spreads.items()],
@@ -173,7 +174,7 @@ def tolerance(
         seed=whole(seed, "seed"),
         threads=threads,
     )
-    unit = "waves" if merit == "wavefront" else lens.unit
+    unit = "waves" if merit.startswith("wavefront") else lens.unit
     units = {name: _unit(name, lens.unit) for name in spreads}
     columns = dict(zip(spreads, found["deviations"], strict=True))
     table = Trials(
@@ -246,7 +247,7 @@ class Goal:
         return ", ".join([self.operand, *(kind.format(number) for kind, number in zip(kinds, self.numbers, strict=False))])
 
 
-_RAY_OPERANDS = ("spot", "wavefront")
+_RAY_OPERANDS = ("spot", "wavefront", "wavefront about chief ray")
 _NUMBER_OPERANDS = (
     "focal length",
     "back focal distance",
@@ -314,7 +315,8 @@ def goal(
     - "spot", whose sum of squares is the square of the RMS radius. A spot contains all wavelengths with their weights about their
       common centroid, as in `Prescription.spots` and `tolerance`; with `wavelength_nm` it has one wavelength and its own centroid,
       and lateral colour does not count;
-    - "wavefront" at a wavelength, whose sum of squares is the square of the RMS in waves.
+    - "wavefront" at a wavelength, whose sum of squares is the square of the RMS in waves, without tilt, as `Wavefront.rms` (which
+      has 12 rings by default, a goal 6); "wavefront about chief ray" includes tilt, as `Wavefront.rms_about_chief_ray`.
 
     `weight` multiplies the deviation of this goal beside the others. The weights of wavelengths are those of the prescription,
     `Prescription(.., wavelengths_nm=.., weights=..)`, in goals as in `Prescription.spots`; fields have equal weights in `spots`, and in
@@ -371,7 +373,7 @@ def goal(
 class GoalTable(Columns):
     """The goals of an optimisation, one in each row: `goal`, the operand with its field, wavelength or surface; `target`
     ("equal", "least" or "most") and `wanted`, its value; `weight`; `value_before` and `value_after`, the values of the
-    operand (for "spot" and "wavefront" the RMS); `contribution_before` and `contribution_after`, the squares of the
+    operand (for spots and wavefronts the RMS); `contribution_before` and `contribution_after`, the squares of the
     weighted deviations, whose sums are the squares of `Optimum.before` and `Optimum.after`.
 
     >>> import rayweave.optics as ro
@@ -491,7 +493,7 @@ def optimise(
     given = all_of(Goal, goals, "goals", "Make one with goal(operand, ..).")
     rows = [goal._row() for goal in given]
     names = [text(name, "a parameter") for name in ([parameters] if isinstance(parameters, str) else each(parameters, "parameters", "names"))]
-    needs_rings = any(row[0] in ("spot", "wavefront") for row in rows)
+    needs_rings = any(row[0] in _RAY_OPERANDS for row in rows)
     count = whole(rings, "rings", least=1 if needs_rings else 0, bits=31)
     found = _core.optimise(_lens(lens), names, rows, rings=count, patience=whole(patience, "patience", least=1), aimed=aimed)
     best = Optimum._of(*found, given)

@@ -13,7 +13,7 @@ from rayweave import _core
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import array, package, pair, real, whole
 from rayweave.optics._plot import Plot, one_axes
-from rayweave.optics._pupil import PupilMeans, PupilSample, best_shift
+from rayweave.optics._pupil import PupilMeans, PupilSample, best_shift, deviations
 from rayweave.optics._system import _UNIT_NM
 
 if TYPE_CHECKING:
@@ -379,31 +379,51 @@ class Wavefront(Columns):
     >>> front = lens.wavefront(0)
     >>> front.units["waves"], round(front.rms, 2)
     ('waves', 2.99)
+    >>> front = lens.wavefront(1)  # coma tilts the wavefront
+    >>> round(front.rms, 2), round(front.rms_about_chief_ray, 2)
+    (2.03, 2.51)
     """
 
-    _find_rms: Callable[[], float] | None = None
-    _rms: float | None = None
+    _find_rms: Callable[[], tuple[float, float]] | None = None
+    _rms: tuple[float, float] | None = None
 
     @classmethod
-    def of(cls, pupil: Numbers, waves: Numbers, rms: Callable[[], float] | None = None) -> Self:
-        """From points (N, 2) and differences (N,). `rms` returns the standard deviation over the pupil; by default it is that
-        of the points."""
+    def of(cls, pupil: Numbers, waves: Numbers, rms: Callable[[], tuple[float, float]] | None = None) -> Self:
+        """From points (N, 2) and differences (N,). `rms` returns `rms` and `rms_about_chief_ray`; by default they are those of the
+        points."""
         made = cls({"pupil_x": pupil[:, 0], "pupil_y": pupil[:, 1], "waves": waves}, {"waves": "waves"})
         made._find_rms = rms
         return made
 
     @property
     def rms(self) -> float:
-        """The standard deviation in waves: over the area of the pupil by Gaussian quadrature, from 336 rays
-        (`pupil_quadrature(12)`), as that of the goal "wavefront"; for a field with vignetted rays over 4096 points that are
-        even in area. With given points of the pupil, it is that of the points, which count equally."""
+        """The RMS in waves about the centroid of the image: without the mean and without the tilt that fits best, the linear
+        function of the coordinates of the pupil (Noll's terms 1 to 3). A tilt moves the image and leaves its sharpness (V. N.
+        Mahajan, J. Opt. Soc. Am. 72, 1258, 1982). `rms_about_chief_ray` includes it.
+
+        It is a mean over the area of the pupil by Gaussian quadrature, from 336 rays (`pupil_quadrature(12)`), as in the goal
+        and the merit "wavefront", which have 96 rays by default (`rings=6`); for a field with vignetted rays over 4096 points
+        that are even in area. With given points of the pupil, it is that of the points, which count equally."""
+        return self._both()[0]
+
+    @property
+    def rms_about_chief_ray(self) -> float:
+        """The RMS in waves from the reference sphere about the chief ray: the standard deviation of the differences, which
+        includes tilt; a mean over the pupil as `rms`."""
+        return self._both()[1]
+
+    def _both(self) -> tuple[float, float]:
         if self._rms is None:
-            self._rms = float(self["waves"].std()) if self._find_rms is None else self._find_rms()
+            if self._find_rms is not None:
+                self._rms = self._find_rms()
+            else:
+                pupil = np.stack([self["pupil_x"], self["pupil_y"]], axis=1)
+                self._rms = deviations(pupil, self["waves"], np.ones(len(pupil)))
         return self._rms
 
     def __getstate__(self) -> dict[str, Any]:
         # the function that finds the RMS cannot be pickled
-        return {**self.__dict__, "_find_rms": None, **({} if self._find_rms is None else {"_rms": self.rms})}
+        return {**self.__dict__, "_find_rms": None, **({} if self._find_rms is None else {"_rms": self._both()})}
 
     @property
     def peak_to_valley(self) -> float:
@@ -412,8 +432,8 @@ class Wavefront(Columns):
 
     @property
     def strehl(self) -> float:
-        """The Strehl ratio, estimated as exp(-(2 pi rms)^2); accurate above 0.1 (V. N. Mahajan, J. Opt. Soc. Am. 73,
-        860, 1983)."""
+        """The Strehl ratio, estimated as exp(-(2 pi rms)^2) from `rms`, which is without tilt; accurate above 0.1 (V. N. Mahajan,
+        J. Opt. Soc. Am. 73, 860, 1983). It is that of the peak of the point spread function, wherever on the image it lies."""
         return float(np.exp(-((2.0 * np.pi * self.rms) ** 2)))
 
     def zernike(self, count: int = 15, *, scheme: Literal["noll", "osa"] = "noll") -> ZernikeFit:
@@ -429,7 +449,7 @@ class Wavefront(Columns):
         return fit
 
     def show(self, *, ax: Axes | Plot | None = None) -> Plot:
-        """Draws the differences over the pupil."""
+        """Draws the differences over the pupil, with tilt; the title states `rms`, which is without it."""
         ax = one_axes(ax)
         reach = float(np.abs(self["waves"]).max()) or 1.0
         x, y, waves = self["pupil_x"], self["pupil_y"], self["waves"]
@@ -447,7 +467,7 @@ class Wavefront(Columns):
         if figure is not None:
             figure.colorbar(drawn, ax=ax, label="waves")
         ax.set_aspect("equal")
-        ax.set_title(f"RMS {self.rms:.3g} waves", fontsize="small")
+        ax.set_title(f"RMS {self.rms:.3g} waves without tilt", fontsize="small")
         return Plot(_labelled(ax, "pupil x", "pupil y", legend=False))
 
 

@@ -52,7 +52,7 @@ from rayweave.optics._images import (
     diffraction_limit,
 )
 from rayweave.optics._plot import Plot
-from rayweave.optics._pupil import RINGS, PupilSample, best_shift, even_points, pupil_deviation, pupil_grid, pupil_quadrature
+from rayweave.optics._pupil import RINGS, PupilSample, best_shift, even_points, pupil_deviations, pupil_grid, pupil_quadrature
 from rayweave.optics._surface_table import prescription_text
 from rayweave.optics._system import _UNIT_NM, System, Trace
 
@@ -899,11 +899,11 @@ class Prescription:
         number, line, aims = whole(field, "field"), self._wavelength(wavelength_nm), flag(aimed, "aimed")
         at, waves = self._compiled.wavefront(number, line, points, aims)
 
-        def deviation() -> float:
+        def both() -> tuple[float, float]:
             is_clear = len(waves) == len(points)
-            return pupil_deviation(lambda places: self._compiled.wavefront(number, line, places, aims)[1], is_clear)
+            return pupil_deviations(lambda places: self._compiled.wavefront(number, line, places, aims), is_clear)
 
-        return Wavefront.of(at, waves, deviation if pupil is None else None)
+        return Wavefront.of(at, waves, both if pupil is None else None)
 
     def encircled_energy(
         self,

@@ -216,18 +216,30 @@ class PupilSample:
         return found
 
 
-def pupil_deviation(waves: Callable[[Numbers], Numbers], is_clear: bool) -> float:
-    """The standard deviation over the area of the pupil of a wavefront, by `waves` at points (N, 2): by quadrature or, if the
-    pupil is not clear, over points of equal areas."""
+def pupil_deviations(trace: Callable[[Numbers], tuple[Numbers, Numbers]], is_clear: bool) -> tuple[float, float]:
+    """The two RMS values of `deviations` over the area of the pupil: by quadrature or, if the pupil is not clear, over points of
+    equal areas. `trace` returns the points (N, 2) among the given ones where light arrives, and the waves there."""
     points, weights = pupil_quadrature(_WAVEFRONT_RINGS)
-    found = waves(points)
-    if not (is_clear and len(found) == len(points)):
-        found = waves(even_points())
-        weights = np.ones(len(found))
-    if not len(found):
-        return float("nan")
-    off = found - weights @ found / weights.sum()
-    return float(np.sqrt(weights @ off**2 / weights.sum()))
+    at, waves = trace(points)
+    if not (is_clear and len(waves) == len(points)):
+        at, waves = trace(even_points())
+        weights = np.ones(len(waves))
+    return deviations(at, waves, weights)
+
+
+def deviations(pupil: Numbers, waves: Numbers, weights: Numbers) -> tuple[float, float]:
+    """The RMS of a wavefront at points (N, 2) of the pupil without piston and tilt, and without piston; NaN without points. The
+    tilt is the linear function of the coordinates of the pupil that fits best."""
+    if not len(waves):
+        return float("nan"), float("nan")
+    shares = weights / weights.sum()
+    flat = waves - shares @ waves
+    roots = np.sqrt(shares)
+    across = pupil - shares @ pupil
+    # points on a line determine the tilt along it only: the solution of least norm
+    tilts = np.linalg.lstsq(across * roots[:, None], flat * roots, rcond=1e-12)[0]
+    first, second = (float(np.sqrt(shares @ off**2)) for off in (flat - across @ tilts, flat))
+    return first, second
 
 
 #: The number of rings of a wavefront: squares of wavefronts up to the power 13 of the pupil's radius are integrated exactly.
