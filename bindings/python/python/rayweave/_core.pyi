@@ -114,7 +114,7 @@ __all__ = [
 ]
 
 _ErrorOf = tuple[str, str, float]
-_GoalOf = tuple[str, Sequence[float], str, float, float]
+_GoalOf = tuple[str, Sequence[float], str, float, float, float]
 _MaterialBehind = Glass | str | float | tuple[float, float]
 _Outline = tuple[str, float, float]
 _Part = (
@@ -671,6 +671,9 @@ class Sheet:
     def apply(self, world_from_local: ArrayLike) -> Sheet:
         """The sheet moved by an affine map, a 4 x 4 matrix."""
 
+    def frame(self) -> NDArray[np.float64]:
+        """Its frame, a 4 x 4 matrix from the coordinates in which it was created to those of the world."""
+
     def solids(self) -> tuple[Solid, Solid]:
         """The solid whose boundary is the surface, and the solid that trims it."""
 
@@ -680,6 +683,7 @@ def tolerance(
     merit: str,
     trials: int,
     *,
+    frequency: float | None,
     refocus: bool,
     vignette: bool,
     rings: int,
@@ -848,8 +852,10 @@ class CompiledPrescription:
     def parts(self) -> list[tuple[str, Any, Any, Any, Any]]:
         """The solids, stop and image of the prescription."""
 
-    def drawing(self, number: int, title: str) -> str:
-        """The drawing of a lens, counted from 1, as SVG."""
+    def drawing(self, first: int, last: int, title: str, indications: Sequence[tuple[str, str]]) -> str:
+        """The drawing of a lens, or of the cemented lenses from the first to the last number, counted from 1, as SVG, with the texts
+        of fields.
+        """
 
     def semi_diameters(self) -> NDArray[np.float64]:
         """The clear semi-diameters of the surfaces and of the image."""

@@ -4,7 +4,8 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::lens::design::{
-    DesignParameter, Goal, Merit, Operand, Optimiser, SeidelTerm, Spread, Target, Tolerancing,
+    DesignParameter, Goal, Merit, MtfKind, MtfLines, Operand, Optimiser, SeidelTerm, Spread, Target,
+    Tolerancing,
 };
 
 use crate::engine::thread_argument;
@@ -30,14 +31,19 @@ impl ErrorOf {
 }
 
 /// Merits with their names.
-const MERITS: [(&str, Merit); 6] = [
+const MERITS: [(&str, Merit); 7] = [
     ("spot", Merit::SpotRms),
     ("wavefront", Merit::WavefrontRms),
     ("wavefront about chief ray", Merit::WavefrontRmsAboutChiefRay),
     ("focal length", Merit::FocalLength),
     ("back focal distance", Merit::BackFocalDistance),
     ("image shift", Merit::ImageShift),
+    ("transmitted", Merit::Transmitted),
 ];
+
+/// Kinds of transfer functions with their names.
+const MTF_KINDS: [(&str, MtfKind); 2] =
+    [("geometric mtf", MtfKind::Geometric), ("diffraction mtf", MtfKind::Diffraction)];
 
 /// Looks up a name; an unknown name is an error that lists the known ones.
 fn named<T: Copy>(what: &str, name: &str, known: &[(&str, T)]) -> PyResult<T> {
@@ -51,7 +57,7 @@ fn named<T: Copy>(what: &str, name: &str, known: &[(&str, T)]) -> PyResult<T> {
 /// The merits of trials with their deviations, and the effect of each parameter alone.
 #[pyfunction]
 #[pyo3(signature = (
-    lens, errors, merit, trials, *, refocus, vignette, rings, mirror_fields, seed, threads: "int | None"
+    lens, errors, merit, trials, *, frequency, refocus, vignette, rings, mirror_fields, seed, threads: "int | None"
 ) -> "dict[str, Any]")]
 #[allow(clippy::too_many_arguments)] // those of the function in Python
 pub fn tolerance<'py>(
@@ -59,6 +65,7 @@ pub fn tolerance<'py>(
     errors: Vec<ErrorOf>,
     merit: &str,
     trials: u64,
+    frequency: Option<f64>,
     refocus: bool,
     vignette: bool,
     rings: usize,
@@ -68,7 +75,11 @@ pub fn tolerance<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let py = lens.py();
     let threads = threads.map(thread_argument).transpose()?;
-    let start = Tolerancing::new(lens.get().lens(), named("merit", merit, &MERITS)?);
+    let merit = match (frequency, MTF_KINDS.iter().find(|(name, _)| *name == merit)) {
+        (Some(frequency), Some((_, kind))) => Merit::Mtf { kind: *kind, frequency },
+        _ => named("merit", merit, &MERITS)?,
+    };
+    let start = Tolerancing::new(lens.get().lens(), merit);
     let start = start.rings(rings).seed(seed).threads(threads);
     let start = if refocus { start.refocused() } else { start };
     let start = if vignette { start.vignetted() } else { start };
@@ -110,9 +121,9 @@ const OPERANDS: [(&str, Operand); 12] = [
     ("lateral colour", Operand::Seidel(SeidelTerm::LateralColour)),
 ];
 
-/// An operand by its name and numbers; a kind of target, its value and the weight.
+/// An operand by its name and numbers; a kind of target, its value, the upper end of a range, and the weight.
 #[derive(FromPyObject)]
-pub struct GoalOf(String, Vec<f64>, String, f64, f64);
+pub struct GoalOf(String, Vec<f64>, String, f64, f64, f64);
 
 /// The number of a field or surface.
 fn whole(what: &str, number: f64) -> PyResult<usize> {
@@ -123,7 +134,7 @@ fn whole(what: &str, number: f64) -> PyResult<usize> {
 
 impl GoalOf {
     fn read(&self) -> PyResult<Goal> {
-        let GoalOf(name, numbers, target, value, weight) = self;
+        let GoalOf(name, numbers, target, value, upper, weight) = self;
         let operand = match (name.as_str(), numbers.as_slice()) {
             ("spot", &[field]) => Operand::Spot { field: whole("field", field)?, wavelength_nm: None },
             ("spot", &[field, wavelength_nm]) => {
@@ -136,6 +147,13 @@ impl GoalOf {
                 Operand::WavefrontAboutChiefRay { field: whole("field", field)?, wavelength_nm }
             }
             ("distortion", &[field]) => Operand::Distortion { field: whole("field", field)? },
+            ("clearance", &[field]) => Operand::Clearance { field: whole("field", field)? },
+            (name, &[field, frequency, is_sagittal]) => Operand::Mtf {
+                kind: named("operand", name, &MTF_KINDS)?,
+                field: whole("field", field)?,
+                frequency,
+                lines: if is_sagittal == 0.0 { MtfLines::Tangential } else { MtfLines::Sagittal },
+            },
             ("edge", &[surface, height]) => {
                 Operand::EdgeThickness { surface: whole("surface", surface)?, height: Some(height) }
             }
@@ -157,6 +175,7 @@ impl GoalOf {
             ("equal", Target::Equal(*value)),
             ("least", Target::AtLeast(*value)),
             ("most", Target::AtMost(*value)),
+            ("range", Target::Between(*value, *upper)),
         ];
         Ok(Goal { operand, target: named("target", target, &kinds)?, weight: *weight })
     }

@@ -53,6 +53,7 @@ pub(crate) use field::paraxial_height;
 pub use field::{Distortion, FieldFoci};
 pub(crate) use focus::focal_moments;
 pub use focus::{best_focus, defocused, through_focus};
+pub(crate) use pupil::gauss_legendre;
 pub use pupil::{PupilQuadrature, fan_x, fan_y, hexapolar, square};
 pub use spot::Spot;
 pub use study::{Fan, Study, needs_aiming};

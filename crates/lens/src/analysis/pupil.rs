@@ -121,7 +121,7 @@ impl PupilQuadrature {
 /// Nodes and weights of Gauss-Legendre quadrature on the interval from 0 to 1, from the lowest node: the roots of
 /// the Legendre polynomial by Newton's method, from their asymptotic positions (NIST *Digital Library of
 /// Mathematical Functions*, 3.5.20 and 18.16.12).
-fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
+pub(crate) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let node = |k: usize| {
         let mut x = -libm::cos(std::f64::consts::PI * (k as f64 + 0.75) / (count as f64 + 0.5));
         // the start is good to about 1 / count^3, and the error is squared in each step

@@ -1,12 +1,13 @@
 //! Merit functions of tolerancing.
 
+use super::modulation::{MtfKind, MtfLines, modulation};
 use super::variant::{Variant, WavefrontReference};
 use super::{DesignError, DesignParameter};
 use crate::analysis::{Arrival, PupilQuadrature, Spot, defocused, focal_moments};
 use crate::prescription::Prescription;
 
 /// A figure of merit of a prescription. Lengths are in its unit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Merit {
     /// The RMS radius of the spots about their centroids, over all wavelengths with their weights; the root
     /// mean square over all fields.
@@ -18,6 +19,17 @@ pub enum Merit {
     /// The same about the chief rays, with tilt
     /// ([`Wavefront::rms_about_chief_ray`](crate::analysis::Wavefront::rms_about_chief_ray)).
     WavefrontRmsAboutChiefRay,
+    /// The modulation transfer function at a frequency, for all wavelengths with their weights: the mean of the tangential and
+    /// sagittal lines of all fields.
+    Mtf {
+        /// With or without diffraction.
+        kind: MtfKind,
+        /// The frequency in cycles per unit of length.
+        frequency: f64,
+    },
+    /// The fraction of the pupil whose rays pass all stated semi-diameters and arrive, the mean over all fields and wavelengths;
+    /// exact to about one ray of the pupil.
+    Transmitted,
     /// The focal length at the primary wavelength.
     FocalLength,
     /// The distance from the last vertex to the back focal point at the primary wavelength.
@@ -79,6 +91,23 @@ impl MeritEvaluator {
                 let (images, shift) = self.images(&variant)?;
                 Ok(MeritValue { merit: self.of_spots(&images), shift, lost: self.lost(lens, &images) })
             }
+            Merit::Mtf { kind, frequency } => {
+                let (images, shift) = self.images(&variant)?;
+                let lost = self.lost(lens, &images);
+                Ok(MeritValue {
+                    merit: self.of_modulations(&variant, (kind, frequency), shift)?,
+                    shift,
+                    lost,
+                })
+            }
+            Merit::Transmitted => {
+                let (images, shift) = self.images(&variant)?;
+                Ok(MeritValue {
+                    merit: self.transmitted(lens, &images),
+                    shift,
+                    lost: self.lost(lens, &images),
+                })
+            }
             Merit::WavefrontRms | Merit::WavefrontRmsAboutChiefRay => {
                 let (images, shift) = self.images(&variant)?;
                 let lost = self.lost(lens, &images);
@@ -92,7 +121,8 @@ impl MeritEvaluator {
         lens: &Prescription,
         changes: &[(DesignParameter, f64)],
     ) -> Result<Variant, DesignError> {
-        Ok(Variant { vignettes: self.vignettes, ..Variant::new(lens, changes)? })
+        let vignettes = self.vignettes || self.merit == Merit::Transmitted;
+        Ok(Variant { vignettes, ..Variant::new(lens, changes)? })
     }
 
     /// The number of rays sent that did not arrive.
@@ -147,6 +177,32 @@ impl MeritEvaluator {
         };
         let found: Result<Vec<f64>, _> = (0..variant.lens.fields.len()).map(rms).collect();
         Ok(self.root_mean_square(found?.into_iter()))
+    }
+
+    /// The mean modulation of both directions and all fields.
+    fn of_modulations(
+        &self,
+        variant: &Variant,
+        (kind, frequency): (MtfKind, f64),
+        shift: f64,
+    ) -> Result<f64, DesignError> {
+        let mut sum = 0.0;
+        for (field, weight) in self.weights.iter().enumerate() {
+            for lines in [MtfLines::Tangential, MtfLines::Sagittal] {
+                let found = modulation(variant, (kind, lines), (field, frequency), &self.pupil, shift)?;
+                sum += 0.5 * weight * found.unwrap_or(f64::NAN);
+            }
+        }
+        Ok(sum / self.weights.iter().sum::<f64>())
+    }
+
+    /// The part of the power of all fields that arrives.
+    fn transmitted(&self, lens: &Prescription, images: &[Vec<Arrival>]) -> f64 {
+        let power = |rays: &Vec<Arrival>| rays.iter().map(|ray| ray.power).sum::<f64>();
+        let arrived: f64 = images.iter().zip(&self.weights).map(|(rays, weight)| weight * power(rays)).sum();
+        let sent =
+            lens.lines.iter().map(|line| line.weight).sum::<f64>() * self.pupil.weights.iter().sum::<f64>();
+        arrived / (sent * self.weights.iter().sum::<f64>())
     }
 
     /// The root mean square over the fields with their weights.

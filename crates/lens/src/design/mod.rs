@@ -33,6 +33,7 @@
 
 mod error;
 mod merit;
+mod modulation;
 mod operand;
 mod optimise;
 mod parameter;
@@ -42,6 +43,7 @@ mod variant;
 
 pub use error::DesignError;
 pub use merit::Merit;
+pub use modulation::{MtfKind, MtfLines};
 pub use operand::{Goal, Operand, SeidelTerm, Target};
 pub use optimise::{GoalReport, Optimiser, Optimum};
 pub use parameter::{DesignParameter, Quantity};

@@ -1,5 +1,6 @@
 //! Operands and goals of an optimisation.
 
+use super::modulation::{MtfKind, MtfLines, modulation};
 use super::variant::{Variant, WavefrontReference};
 use super::{DesignError, DesignParameter};
 use crate::analysis::{Arrival, Distortion, PupilQuadrature, Spot, paraxial_height};
@@ -80,6 +81,23 @@ pub enum Operand {
         /// The wavelength in nanometres.
         wavelength_nm: f64,
     },
+    /// The modulation transfer function of a field at a frequency, for all wavelengths with their weights.
+    Mtf {
+        /// With or without diffraction.
+        kind: MtfKind,
+        /// The field, counted from 0.
+        field: usize,
+        /// The frequency in cycles per unit of length.
+        frequency: f64,
+        /// The direction of the lines.
+        lines: MtfLines,
+    },
+    /// The least distance of the rays of a field through the rim of the pupil from the edges of all stated semi-diameters, at the
+    /// primary wavelength: negative where rays are vignetted. Needs at least one stated semi-diameter.
+    Clearance {
+        /// The field, counted from 0.
+        field: usize,
+    },
     /// The value of a parameter.
     Value(DesignParameter),
     /// The distance from the first vertex to the image along the axis.
@@ -104,6 +122,8 @@ pub enum Target {
     AtLeast(f64),
     /// Not above a value.
     AtMost(f64),
+    /// Neither below the first value nor above the second one.
+    Between(f64, f64),
 }
 
 impl Target {
@@ -113,6 +133,7 @@ impl Target {
             Target::Equal(wanted) => value - wanted,
             Target::AtLeast(least) => (value - least).min(0.0),
             Target::AtMost(most) => (value - most).max(0.0),
+            Target::Between(least, most) => (value - least).min(0.0) + (value - most).max(0.0),
         }
     }
 }
@@ -142,6 +163,11 @@ impl Goal {
     /// An operand with an upper bound and weight 1.
     pub fn at_most(operand: Operand, value: f64) -> Goal {
         Goal { operand, target: Target::AtMost(value), weight: 1.0 }
+    }
+
+    /// An operand with a lower and an upper bound, and weight 1.
+    pub fn between(operand: Operand, least: f64, most: f64) -> Goal {
+        Goal { operand, target: Target::Between(least, most), weight: 1.0 }
     }
 
     /// The goal with a different weight.
@@ -174,6 +200,10 @@ impl Goal {
                 wavefront(variant, field, wavelength_nm, pupil, WavefrontReference::ChiefRay)?
             }
             Operand::Distortion { field } => distortion(variant, field)?.map(|value| vec![value]),
+            Operand::Mtf { kind, field, frequency, lines } => {
+                modulation(variant, (kind, lines), (field, frequency), pupil, 0.0)?.map(|value| vec![value])
+            }
+            Operand::Clearance { field } => variant.clearance(field)?.map(|value| vec![value]),
             operand => Some(vec![number(operand, variant)?]),
         };
         Ok(values.filter(|values| values.iter().all(|value| value.is_finite())))
@@ -260,6 +290,8 @@ fn number(operand: Operand, variant: &Variant) -> Result<f64, DesignError> {
         Operand::Spot { .. }
         | Operand::Wavefront { .. }
         | Operand::WavefrontAboutChiefRay { .. }
+        | Operand::Mtf { .. }
+        | Operand::Clearance { .. }
         | Operand::Distortion { .. } => f64::NAN,
     })
 }

@@ -15,6 +15,9 @@ const MAX_RINGS: usize = 1 << 10;
 /// The default number of rings of rays in the pupil.
 pub(super) const RINGS: usize = 6;
 
+/// The number of rays through the rim of the pupil for clearances.
+const RIM_POINTS: u32 = 32;
+
 /// The points of the pupil with their weights.
 pub(super) fn pupil(rings: usize) -> Result<PupilQuadrature, DesignError> {
     match rings {
@@ -99,6 +102,36 @@ impl Variant {
             surface.hole <= r && surface.semi_diameter.is_none_or(|most| r <= most)
         };
         passes.iter().zip(&self.lens.surfaces).enumerate().all(keeps)
+    }
+
+    /// The least distance of the rays of a field through the rim of the pupil from the edges of the stated semi-diameters, at the
+    /// primary wavelength; `None` if one of them does not arrive.
+    pub fn clearance(&self, field: usize) -> Result<Option<f64>, DesignError> {
+        if self.lens.surfaces.iter().all(|surface| surface.semi_diameter.is_none()) {
+            return Err(DesignError::None("surface with a stated semi-diameter"));
+        }
+        let nm = self.lens.primary_nm();
+        let launch = self.lens.launch(&self.resolved, field)?;
+        let aim = self.aims.then(|| self.lens.aim(&self.resolved, field, nm)).transpose()?;
+        let mut least = f64::INFINITY;
+        for k in 0..RIM_POINTS {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(k) / f64::from(RIM_POINTS));
+            let ray = match &aim {
+                Some(aim) => aim.ray([cos, sin]),
+                None => Ok(launch.ray([cos, sin])),
+            };
+            let passes = match ray.and_then(|ray| self.lens.follow_resolved(&self.resolved, &ray, nm)) {
+                Ok(passes) => passes,
+                Err(PrescriptionError::Lost { .. }) => return Ok(None),
+                Err(error) => return Err(error.into()),
+            };
+            for (k, (pass, surface)) in passes.iter().zip(&self.lens.surfaces).enumerate() {
+                let place = self.resolved.local(k, pass.point);
+                let spare = surface.semi_diameter.map(|edge| edge - libm::hypot(place.x, place.y));
+                least = spare.map_or(least, |spare| least.min(spare));
+            }
+        }
+        Ok(Some(least))
     }
 
     /// The rays of a field at all wavelengths; powers are the weights of points times those of wavelengths.

@@ -8,6 +8,7 @@ mod breaks;
 mod designs;
 mod figures;
 mod lenses;
+mod operands;
 mod optimum;
 mod paraxial;
 mod prescription;

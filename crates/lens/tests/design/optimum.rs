@@ -51,11 +51,13 @@ fn the_singlet_of_best_form() {
 /// The goals of a field off the axis have the RMS of the study over the same points.
 #[test]
 fn wavefront_goals_have_the_rms_of_both_references() {
-    let mut lens = Prescription { fields: vec![[0.0, 0.0], [0.0, 3.0]], ..singlet(1.5) };
-    lens.surfaces[0].thickness = 4.0;
+    // a paraboloid has coma
+    let lens = Prescription::new(vec![Surface::new(-400.0, -200.0, Behind::Mirror).conic(-1.0)])
+        .entrance_pupil_diameter(40.0)
+        .field_angles(&[0.0, 0.5]);
     let nm = 587.5618;
     let found = Optimiser::new(&lens)
-        .vary(parameter("thickness 2"))
+        .vary(parameter("thickness 1"))
         .goal(Goal::equal(Operand::Wavefront { field: 1, wavelength_nm: nm }, 0.0))
         .goal(Goal::equal(Operand::WavefrontAboutChiefRay { field: 1, wavelength_nm: nm }, 0.0))
         .rings(12)
@@ -64,12 +66,12 @@ fn wavefront_goals_have_the_rms_of_both_references() {
     let layout = lens.assembly().unwrap();
     let system = layout.assembly.compile().unwrap();
     let tracer = Tracer::new(&system, Packets::new);
-    let even = square(201).into_iter().map(|point| point.map(|x| 0.999_999 * x)).collect::<Vec<_>>();
+    let even = square(201).into_iter().filter(|[x, y]| x.hypot(*y) < 0.999).collect::<Vec<_>>();
     let front = Study::new(&lens, &layout, &tracer).wavefront(1, nm, &even).unwrap();
     let [centroid, chief] = [0, 1].map(|k: usize| found.goals[k].values[0]);
     near(centroid, front.rms(), 0.01 * centroid);
     near(chief, front.rms_about_chief_ray(), 0.01 * chief);
-    assert!(chief > 1.05 * centroid, "{chief} {centroid}");
+    assert!(chief > 2.0 * centroid, "{chief} {centroid}");
 }
 
 #[test]

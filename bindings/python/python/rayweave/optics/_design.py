@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rayweave import _core
-from rayweave._table import table_of
+from rayweave._table import aligned, short, table_of
 from rayweave._words import suggesting
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import all_of, each, flag, real, text, whole
@@ -25,10 +25,15 @@ from rayweave.optics._pupil import RINGS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+#: The fractions of the quantiles that `print` shows.
+_QUANTILES = (0.1, 0.5, 0.8, 0.9, 0.98)
+
 #: The half-width of a uniform distribution, or ("uniform", half-width), or ("normal", standard deviation).
 Spread = float | tuple[Literal["uniform", "normal"], float]
 
-Merit = Literal["spot", "wavefront", "wavefront about chief ray", "focal length", "back focal distance", "image shift"]
+Merit = Literal["spot", "wavefront", "wavefront about chief ray", "focal length", "back focal distance", "image shift", "transmitted"]
+#: A merit, or a transfer function with a frequency: ("diffraction mtf", 40).
+AnyMerit = Merit | tuple[Literal["geometric mtf", "diffraction mtf"], float]
 
 
 class Sensitivities(Columns):
@@ -89,6 +94,19 @@ class Trials(Columns):
     mirrored: bool
     sensitivities: Sensitivities
 
+    def __str__(self) -> str:
+        """The number of trials, and the merit without errors, its mean, and its quantiles."""
+        unit = self.units["merit"]
+        head = f"{self.rows} trials, merit in {unit}" if unit else f"{self.rows} trials"
+        if self.failures:
+            head += f", {self.failures} of them without a merit"
+        rows = [("without errors", self.nominal)]
+        if self.failures < self.rows:
+            known = self["merit"][~np.isnan(self["merit"])]
+            rows += [("mean", float(known.mean())), ("standard deviation", float(known.std(ddof=min(1, len(known) - 1))))]
+            rows += [(f"{100 * fraction:g} % of the trials up to", self.quantile(fraction)) for fraction in _QUANTILES]
+        return "\n".join([head, *aligned([[name, short(value)] for name, value in rows])])
+
     def quantile(self, fraction: float) -> float:
         """The merit that a fraction of the trials with a merit do not exceed; `failures` counts the others."""
         return float(np.nanquantile(self["merit"], fraction))
@@ -114,7 +132,7 @@ class Trials(Columns):
 def tolerance(
     lens: Prescription,
     errors: Mapping[str, Spread],
-    merit: Merit = "spot",
+    merit: AnyMerit = "spot",
     *,
     trials: int = 1000,
     refocus: bool = False,
@@ -134,6 +152,10 @@ def tolerance(
       wavelength times that of their point of the pupil (`pupil_quadrature`);
     - "wavefront": the RMS of the wavefronts at the primary wavelength, in waves, without tilt, as `Wavefront.rms`;
     - "wavefront about chief ray": the same with tilt, as `Wavefront.rms_about_chief_ray`;
+    - ("diffraction mtf", 40) or ("geometric mtf", 40): the modulation at a frequency in cycles per unit of length, for all
+      wavelengths, the mean of tangential and sagittal lines and of all fields;
+    - "transmitted": the fraction of the pupil whose rays pass all stated semi-diameters (as with `vignette`), the mean over all fields and
+      wavelengths. It is exact to about one ray: take `rings=30`, say;
     - "focal length", "back focal distance";
     - "image shift": the displacement of the first field's centroid.
 
@@ -160,12 +182,14 @@ def tolerance(
     if not isinstance(errors, Mapping):
         raise TypeError(f"errors is {errors!r}: it must be a dict of parameters with their deviations.")
     spreads = {text(name, "a parameter"): _spread(name, spread) for name, spread in errors.items()}
-    needs_rings = merit in _RAY_OPERANDS
+    name, frequency = _modulation_merit(merit) if isinstance(merit, tuple) else (text(merit, "merit"), None)
+    needs_rings = name in (*_RAY_OPERANDS, *_MTF_OPERANDS)
     found = _core.tolerance(
         _lens(lens),
         [(name, kind, scale) for name, (kind, scale) in spreads.items()],
-        text(merit, "merit"),
+        name,
         whole(trials, "trials", least=1),
+        frequency=frequency,
         refocus=flag(refocus, "refocus"),
         vignette=flag(vignette, "vignette"),
         # without rings there is only the ray in the middle, which has a position but no spot radius
@@ -174,7 +198,7 @@ def tolerance(
         seed=whole(seed, "seed"),
         threads=threads,
     )
-    unit = "waves" if merit.startswith("wavefront") else lens.unit
+    unit = "waves" if name.startswith("wavefront") else "" if name in (*_MTF_OPERANDS, "transmitted") else lens.unit
     units = {name: _unit(name, lens.unit) for name in spreads}
     columns = dict(zip(spreads, found["deviations"], strict=True))
     table = Trials(
@@ -198,6 +222,21 @@ def tolerance(
         dict.fromkeys(("nominal", "minus", "plus", "change"), unit),
     )
     return table
+
+
+def _modulation_merit(merit: tuple[Any, ...]) -> tuple[str, float]:
+    """The name and the frequency of a transfer function as a merit."""
+    needed = 'a name such as "spot", or a pair such as ("diffraction mtf", 40)'
+    if len(merit) != 2 or merit[0] not in _MTF_OPERANDS:
+        raise _core.RayweaveError(f"merit is {merit!r}: it must be {needed}.")
+    return str(merit[0]), _frequency(merit[1], needed)
+
+
+def _frequency(value: Any, needed: str = "a frequency") -> float:
+    found = real(value, "frequency", needed)
+    if not 0.0 <= found < np.inf:
+        raise _core.RayweaveError(f"frequency is {found:g}: it must be at least 0 and finite.")
+    return found
 
 
 def _lens(lens: Prescription) -> _core.CompiledPrescription:
@@ -229,7 +268,7 @@ class Goal:
 
     >>> import rayweave.optics as ro
     >>> ro.goal("focal length", 50)
-    Goal(operand='focal length', numbers=(), target='equal', value=50.0, weight=1.0)
+    Goal(operand='focal length', numbers=(), target='equal', value=50.0, weight=1.0, upper=nan)
     """
 
     operand: str
@@ -237,17 +276,23 @@ class Goal:
     target: str
     value: float
     weight: float
+    upper: float = float("nan")
+    """The upper end of a range, whose lower end is `value`."""
 
     def _row(self) -> tuple[Any, ...]:
-        return self.operand, list(self.numbers), self.target, self.value, self.weight
+        return self.operand, list(self.numbers), self.target, self.value, self.upper, self.weight
 
     def _name(self) -> str:
         """The operand with its place, such as "spot, field 1, 587.6 nm"."""
+        if self.operand in _MTF_OPERANDS:
+            field, frequency, is_sagittal = self.numbers
+            return f"{self.operand}, field {field:g}, {frequency:g}, {'sagittal' if is_sagittal else 'tangential'}"
         kinds = ("surface {:g}", "height {:g}") if self.operand == "edge" else ("field {:g}", "{:g} nm")
         return ", ".join([self.operand, *(kind.format(number) for kind, number in zip(kinds, self.numbers, strict=False))])
 
 
 _RAY_OPERANDS = ("spot", "wavefront", "wavefront about chief ray")
+_MTF_OPERANDS = ("geometric mtf", "diffraction mtf")
 _NUMBER_OPERANDS = (
     "focal length",
     "back focal distance",
@@ -280,6 +325,10 @@ _OPERAND_WORDS = {
     "totr": "total track",
     "total_track": "total track",
     "ttl": "total track",
+    "mtf": "diffraction mtf",
+    "mtfa": "diffraction mtf",
+    "gmtf": "geometric mtf",
+    "vignetting": "clearance",
 }
 
 
@@ -295,8 +344,10 @@ def goal(
     wavelength_nm: float | None = None,
     surface: int | None = None,
     height: float | None = None,
+    frequency: float | None = None,
+    lines: Literal["tangential", "sagittal"] | None = None,
 ) -> Goal:
-    """A goal of an optimisation; the default target is 0.
+    """A goal of an optimisation; the default target is 0. With both `at_least` and `at_most` it is a range.
 
     Operands of one number:
 
@@ -308,6 +359,11 @@ def goal(
       as in `Prescription.distortion`, 0 on the axis;
     - "edge", the distance from a `surface` to the next one at a `height` from the axis, by default at the larger one of their clear
       semi-diameters, which follow the rays while the lens changes;
+    - "diffraction mtf" and "geometric mtf" of a `field` at a `frequency` in cycles per unit of length, of "tangential" or "sagittal"
+      `lines`, for all wavelengths: values from 0 to 1, for example with `at_least=0.5`. From a lens that is far from sharp, first
+      optimise spots: transfer functions then have no useful slope. Rays go over a clear pupil, without vignetting;
+    - "clearance" of a `field`, the least distance of its rays through the rim of the pupil from the edges of all stated
+      semi-diameters: `at_least=0` keeps the field free of vignetting;
     - a parameter by its name, such as "thickness 1".
 
     Operands of all rays of a `field`:
@@ -335,10 +391,17 @@ def goal(
     stated = [(kind, real(value, kind)) for kind, value in given.items() if value is not None] or [("equal", 0.0)]
     if any(np.isnan(value) for _, value in stated):
         raise _core.RayweaveError(f"the goal {operand!r} has the value NaN: it must be a number.")
+    upper = float("nan")
+    if [kind for kind, _ in stated] == ["least", "most"]:
+        (_, least), (_, upper) = stated
+        if least > upper:
+            raise _core.RayweaveError(f"the goal {operand!r} has at_least {least:g} above at_most {upper:g}: exchange them.")
+        stated = [("range", least)]
     if len(stated) > 1:
-        raise _core.RayweaveError(f"the goal {operand!r} has {len(stated)} values: it must have at most one of equal, at_least and at_most. Use two goals.")
-    if operand not in (*_RAY_OPERANDS, "edge", *_NUMBER_OPERANDS) and not _PARAMETER.fullmatch(operand):
-        known = [*_NUMBER_OPERANDS, *_RAY_OPERANDS, "edge"]
+        raise _core.RayweaveError(f"the goal {operand!r} has {len(stated)} values: it must have equal, or at_least and at_most. Use two goals.")
+    others = (*_RAY_OPERANDS, *_MTF_OPERANDS, "clearance", "edge")
+    if operand not in (*others, *_NUMBER_OPERANDS) and not _PARAMETER.fullmatch(operand):
+        known = [*_NUMBER_OPERANDS, *others]
         near = get_close_matches(operand, [*known, *_QUANTITIES], 1)
         suggestion = _OPERAND_WORDS.get(operand.lower()) or (near[0] if near else None)
         hint = f" Did you mean {suggestion!r}?" if suggestion else ""
@@ -349,12 +412,15 @@ def goal(
             f"there is no operand {operand!r}: there are {', '.join(known)}, and a parameter with the number of its surface, "
             f'such as "thickness 1": {quantities}.{hint}'
         )
-    places = {"field": field, "wavelength_nm": wavelength_nm, "surface": surface, "height": height}
+    places: dict[str, Any] = {"field": field, "wavelength_nm": wavelength_nm, "surface": surface, "height": height}
+    places |= {"frequency": frequency, "lines": lines}
     names: tuple[str, ...] = ()
     if operand == "edge":
         names = ("surface",) if height is None else ("surface", "height")
-    if operand == "distortion" and field is not None:
+    if operand == "clearance" or operand == "distortion" and field is not None:
         names = ("field",)
+    if operand in _MTF_OPERANDS:
+        names = ("field", "frequency", "lines")
     if operand in _RAY_OPERANDS:
         # the spot of all wavelengths needs none
         names = ("field",) if operand == "spot" and wavelength_nm is None else ("field", "wavelength_nm")
@@ -364,15 +430,19 @@ def goal(
     if missing:
         raise _core.RayweaveError(f"the goal {operand!r} lacks {' and '.join(missing)}: it takes {' and '.join(names)}.")
     if extra:
-        takes = " and ".join(allowed) if allowed else "no field, wavelength_nm, surface or height"
+        takes = " and ".join(allowed) if allowed else "no field, wavelength_nm, surface, height, frequency or lines"
         raise _core.RayweaveError(f"the goal {operand!r} has {' and '.join(extra)}: it takes {takes}.")
+    if lines is not None:
+        if lines not in ("tangential", "sagittal"):
+            raise _core.RayweaveError(f'lines is {lines!r}: it can be "tangential" or "sagittal".')
+        places |= {"lines": float(lines == "sagittal"), "frequency": _frequency(frequency)}
     numbers = tuple(real(places[name], name) for name in names)
-    return Goal(operand, numbers, *stated[0], real(weight, "weight"))
+    return Goal(operand, numbers, *stated[0], real(weight, "weight"), upper)
 
 
 class GoalTable(Columns):
     """The goals of an optimisation, one in each row: `goal`, the operand with its field, wavelength or surface; `target`
-    ("equal", "least" or "most") and `wanted`, its value; `weight`; `value_before` and `value_after`, the values of the
+    ("equal", "least", "most" or "range") and `wanted`, its value, for a range the lower end with the upper end `wanted_to`; `weight`; `value_before` and `value_after`, the values of the
     operand (for spots and wavefronts the RMS); `contribution_before` and `contribution_after`, the squares of the
     weighted deviations, whose sums are the squares of `Optimum.before` and `Optimum.after`.
 
@@ -395,6 +465,7 @@ class GoalTable(Columns):
                 "goal": [goal._name() for goal in goals],
                 "target": [goal.target for goal in goals],
                 "wanted": [goal.value for goal in goals],
+                "wanted_to": [goal.upper for goal in goals],
                 "weight": [goal.weight for goal in goals],
                 "value_before": values[:, 0],
                 "value_after": values[:, 1],
@@ -429,6 +500,16 @@ class Optimum:
     evaluations: int
     has_converged: bool
     reason: str
+
+    def __str__(self) -> str:
+        """The merit before and after, the values of the parameters, and the goals."""
+        ended = f"{self.evaluations} evaluations: {self.reason}"
+        head = f"merit {short(self.before)} -> {short(self.after)} after {ended}"
+        values = aligned([[name, short(value)] for name, value in self.values.items()])
+        shown = ("goal", "target", "wanted", "wanted_to", "value_before", "value_after", "contribution_after")
+        has_ranges = bool(np.isfinite(self.goals["wanted_to"]).any())
+        columns = {name: self.goals[name] for name in shown if has_ranges or name != "wanted_to"}
+        return "\n".join([head, "", *values, "", str(Columns(columns))])
 
     def _repr_html_(self) -> str:
         merit = {"before": self.before, "after": self.after, "evaluations": self.evaluations, "ended": self.reason}
@@ -493,7 +574,7 @@ def optimise(
     given = all_of(Goal, goals, "goals", "Make one with goal(operand, ..).")
     rows = [goal._row() for goal in given]
     names = [text(name, "a parameter") for name in ([parameters] if isinstance(parameters, str) else each(parameters, "parameters", "names"))]
-    needs_rings = any(row[0] in _RAY_OPERANDS for row in rows)
+    needs_rings = any(row[0] in (*_RAY_OPERANDS, *_MTF_OPERANDS) for row in rows)
     count = whole(rings, "rings", least=1 if needs_rings else 0, bits=31)
     found = _core.optimise(_lens(lens), names, rows, rings=count, patience=whole(patience, "patience", least=1), aimed=aimed)
     best = Optimum._of(*found, given)
@@ -506,9 +587,12 @@ def _warn_of_bounds(goals: list[Goal], table: GoalTable) -> None:
     """Warns of bounds that a result violates by more than 1 %, and by more than rounding."""
     violated = []
     for goal, value in zip(goals, table["value_after"], strict=True):
-        excess = {"least": goal.value - value, "most": value - goal.value}.get(goal.target, 0.0)
-        if excess > max(0.01 * abs(goal.value), 1e-9):
-            violated.append(f"{goal._name()} is {value:.4g} (at {goal.target} {goal.value:.4g}, weight {goal.weight:g})")
+        # the bounds: a range has two
+        least = goal.value if goal.target in ("least", "range") else -np.inf
+        most = {"most": goal.value, "range": goal.upper}.get(goal.target, np.inf)
+        for kind, bound, excess in (("least", least, least - value), ("most", most, value - most)):
+            if excess > max(0.01 * abs(bound), 1e-9) and np.isfinite(bound):
+                violated.append(f"{goal._name()} is {value:.4g} (at {kind} {bound:.4g}, weight {goal.weight:g})")
     if violated:
         warnings.warn(
             f"the optimised lens violates bounds: {'; '.join(violated)}. A bound competes with the other goals by its weighted "
