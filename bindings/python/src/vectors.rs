@@ -68,6 +68,20 @@ pub fn invertible(map: Affine, name: &str) -> PyResult<Affine> {
     }
 }
 
+/// A map as a 4 x 4 matrix.
+pub fn matrix_rows<'py>(py: Python<'py>, map: &Affine) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let mut flat = [0.0; 16];
+    flat[15] = 1.0;
+    for row in 0..3 {
+        for column in 0..3 {
+            flat[4 * row + column] = map.linear.col(column)[row];
+        }
+        flat[4 * row + 3] = map.translation[row];
+    }
+    let array = Array2::from_shape_vec((4, 4), flat.to_vec()).map_err(bad_value)?;
+    Ok(PyArray2::from_owned_array(py, array))
+}
+
 /// A 4 x 4 matrix `world_from_local` that acts on columns.
 pub fn matrix(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Affine> {
     let array = double_array(object, name)?;

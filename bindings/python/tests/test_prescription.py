@@ -616,7 +616,7 @@ def test_pictures() -> None:
         f"{angle} deg, RMS {1e3 * rms:#.3g} um" for angle, rms in zip((0, 14, 20), spots["rms"], strict=True)
     ]
     names = [text.get_text() for text in diagrams[-1].get_legend().get_texts()]
-    assert names == ["480 nm", "550 nm", "650 nm", "Airy disk"]
+    assert names == ["480 nm", "550 nm", "650 nm", "RMS radius", "Airy disk"]
     # the first zero of J1 over pi, times wavelength and F-number
     assert diagrams[0].patches[0].get_radius() == pytest.approx(3.8317059702 / np.pi * 0.55 * 5.0, rel=1e-5)
     assert diagrams[0].get_xlabel() == "x, um"

@@ -43,6 +43,14 @@ impl LensData {
         })
     }
 
+    /// The radius of the first dark ring of a lens without aberrations, 1.22 times wavelength and F-number; none for a near object
+    /// and for lenses without focus.
+    pub fn airy_radius(&self, unit_nm: f64) -> Option<f64> {
+        // the first zero of J1 over pi (Born & Wolf, Principles of Optics, section 8.5.2)
+        let radius = 1.219_669_891_266_504_5 * self.wavelength_nm / unit_nm * self.first_order.f_number.abs();
+        Some(radius).filter(|radius| !self.is_finite && radius.is_finite())
+    }
+
     /// The data as a table.
     pub fn text(&self) -> String {
         let FirstOrder { focal_length, back_focal_distance, f_number, magnification, image_distance, .. } =

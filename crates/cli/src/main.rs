@@ -23,6 +23,7 @@ use clap::{CommandFactory, FromArgMatches};
 use cli::Cli;
 use std::io::Write;
 use std::num::{IntErrorKind, ParseIntError};
+use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -34,7 +35,7 @@ fn main() -> ExitCode {
     });
     let (cli, matches) = match parsed {
         Ok(parsed) => parsed,
-        Err(error) => return print(&clear(elsewhere::advised(without_misleading_tip(error)))),
+        Err(error) => return print(&clear(elsewhere::advised(with_tip(without_misleading_tip(error))))),
     };
     if let Err(failure) = outputs::check(&matches) {
         return terminal::report(&failure);
@@ -52,6 +53,26 @@ fn without_misleading_tip(mut error: clap::Error) -> clap::Error {
     if error.kind() == ErrorKind::UnknownArgument && error.get(ContextKind::InvalidArg).is_some_and(is_long) {
         error.remove(ContextKind::Suggested);
     }
+    error
+}
+
+/// The error with advice about a file, or `-` for standard output, that no option takes.
+fn with_tip(mut error: clap::Error) -> clap::Error {
+    let argument = error.get(ContextKind::InvalidArg).map(ToString::to_string).unwrap_or_default();
+    if error.kind() != ErrorKind::UnknownArgument || argument.len() > 1 && argument.starts_with('-') {
+        return error;
+    }
+    let tip = match argument.as_str() {
+        "-" => {
+            "options such as --json take no value and write to standard output; where an option takes a file, - is its value: --out -"
+                .to_owned()
+        }
+        file if Path::new(file).extension().is_some() => {
+            format!("an output file is the value of an option, in most commands -o {file}")
+        }
+        _ => return error,
+    };
+    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     error
 }
 

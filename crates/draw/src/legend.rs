@@ -26,6 +26,8 @@ pub enum Swatch {
     Area,
     /// A circle, as points are marked.
     Mark,
+    /// A circle of a class of the style sheet.
+    Circle(&'static str),
 }
 
 /// Draws entries in rows below a height. Returns the height of a drawing that ends below them.
@@ -45,6 +47,7 @@ pub fn draw(svg: &mut Svg, entries: &[Entry], from: f64, width: f64) -> f64 {
                 svg.rectangle("swatch", [x, y - 9.5, 16.0, 11.0], &outlined);
             }
             Swatch::Mark => svg.circle("mark", [x + 8.0, y - 4.0], 3.0, ""),
+            Swatch::Circle(class) => svg.circle(class, [x + 8.0, y - 4.0], 6.0, ""),
         }
         svg.text("tick", [x + 22.0, y], Anchor::Start, name, name);
         x += wide;

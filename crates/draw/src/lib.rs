@@ -20,6 +20,7 @@ pub mod detector;
 mod dimension;
 mod edges;
 mod error;
+mod indications;
 mod infill;
 pub mod layout;
 mod legend;
@@ -33,6 +34,7 @@ mod timeline;
 
 pub use edges::{EdgeView, visible_edges};
 pub use error::DrawError;
+pub use indications::Indications;
 pub use infill::InfillPicture;
-pub use lens_element::{ElementFace, LensElement, lens_element_drawing};
+pub use lens_element::{ElementFace, LensElement, lens_element_drawing, lens_group_drawing};
 pub use timeline::{Timeline, TimelineError, ray_timeline};

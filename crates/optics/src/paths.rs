@@ -19,8 +19,8 @@ pub struct Paths {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct PathStep {
     before: u32,
-    /// Whether the segment begins with a reflection.
-    is_reflected: bool,
+    /// The surface of the reflection with which the segment begins; none without a reflection.
+    reflected_at: Option<i32>,
     element: i32,
 }
 
@@ -37,6 +37,9 @@ pub struct Path {
     /// The numbers of the elements, -1 for none (light that escaped or was dropped), and whether
     /// the light was reflected there.
     pub steps: Vec<(i32, bool)>,
+    /// The numbers of the surfaces of the reflections in order, as in the column `surface` of the segments. Paths that differ
+    /// only in these are different paths.
+    pub reflected_at: Vec<i32>,
     /// The number of rays that end on this path.
     pub rays: u64,
     /// The power of these rays at the start of their last segments.
@@ -71,14 +74,15 @@ impl Paths {
             let parent = usize::try_from(segments.parent[row]).ok().filter(|&parent| parent < row);
             let element = segments.element[row];
             let step = match parent {
-                None => PathStep { before: FIRST, is_reflected: false, element },
+                None => PathStep { before: FIRST, reflected_at: None, element },
                 // a piece of a curve continues the step of the piece before it
                 Some(parent) if segments.event[parent] == Event::Curved as u8 => {
                     PathStep { element, ..steps[parent] }
                 }
                 Some(parent) => {
-                    let is_reflected = is_reflected(segments, parent, row);
-                    PathStep { before: self.number(steps[parent]), is_reflected, element }
+                    let reflected_at =
+                        is_reflected(segments, parent, row).then_some(segments.surface[parent]);
+                    PathStep { before: self.number(steps[parent]), reflected_at, element }
                 }
             };
             parent.into_iter().for_each(|parent| goes_on[parent] = true);
@@ -130,21 +134,24 @@ impl Paths {
 
     fn path(&self, path: usize) -> Path {
         let (mut steps, mut at, mut is_reflected) = (Vec::new(), path as u32, false);
+        let mut reflected_at = Vec::new();
         while at != FIRST {
             let step = self.steps[at as usize];
             // a step that begins with a reflection was reflected at the element of the previous step
             steps.push((step.element, is_reflected));
-            (at, is_reflected) = (step.before, step.is_reflected);
+            reflected_at.extend(step.reflected_at);
+            (at, is_reflected) = (step.before, step.reflected_at.is_some());
         }
         steps.reverse();
-        Path { steps, rays: self.rays[path], power: self.power[path] }
+        reflected_at.reverse();
+        Path { steps, reflected_at, rays: self.rays[path], power: self.power[path] }
     }
 }
 
 /// True if a segment begins with a reflection. After a split, the reflected ray is the one that
 /// stays in its medium and changes direction. Reflections within a gradient, where the index
 /// varies, are not detected.
-fn is_reflected(segments: &Segments, parent: usize, row: usize) -> bool {
+pub(crate) fn is_reflected(segments: &Segments, parent: usize, row: usize) -> bool {
     let direction = |row: usize| {
         let [x, y, z] = segments.direction.each_ref();
         Vec3::new(x[row], y[row], z[row])

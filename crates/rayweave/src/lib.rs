@@ -321,7 +321,7 @@ pub use rayweave_table as table;
 pub use rayweave_trace as trace;
 
 #[cfg(all(feature = "draw", feature = "lens"))]
-pub use lens_drawing::lens_drawing;
+pub use lens_drawing::{lens_drawing, lens_drawing_with};
 #[cfg(feature = "formats")]
 pub use load::load;
 

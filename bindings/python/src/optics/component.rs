@@ -1,5 +1,6 @@
 //! Lenses, mirrors, prisms and sheets as solids.
 
+use numpy::PyArray2;
 use pyo3::prelude::*;
 use rayweave::optics::component::{self, Aperture, Asphere, Blank, ComponentError, Cpc, Sheet};
 use rayweave::{Affine, Solid};
@@ -7,7 +8,7 @@ use rayweave::{Affine, Solid};
 use crate::error::bad_value;
 use crate::optics::outline::Outline;
 use crate::solid::PySolid;
-use crate::vectors::matrix;
+use crate::vectors::{matrix, matrix_rows};
 
 /// The solids of a component, usually one: the kinds and the order of `numbers` are those of the match below; `terms` are the
 /// even and odd coefficients of each aspheric face, `outline` is the aperture, `off_axis` the offset of a mirror.
@@ -148,6 +149,11 @@ impl PySheet {
     fn apply(&self, world_from_local: &Bound<'_, PyAny>) -> PyResult<Self> {
         let map = matrix(world_from_local, "matrix")?;
         self.0.apply(&map).map(PySheet).map_err(bad_value)
+    }
+
+    /// Its frame, a 4 x 4 matrix from the coordinates in which it was created to those of the world.
+    fn frame<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        matrix_rows(py, &self.0.frame)
     }
 
     /// The solid whose boundary is the surface, and the solid that trims it.

@@ -10,7 +10,7 @@ use crate::optics::component::PySheet;
 use crate::optics::medium::Substance;
 use crate::optics::spec::{Spec, unknown};
 use crate::solid::PySolid;
-use crate::vectors::matrix;
+use crate::vectors::{matrix, matrix_rows};
 
 /// An element as given by Python: a solid with its material ("transparent", "opaque" or "metal"),
 /// or a sheet.
@@ -59,7 +59,7 @@ impl PyElement {
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Parts<'py>> {
         let name = self.0.name().to_owned();
         let frame = self.0.as_sheet().map_or(Affine::IDENTITY, |sheet| sheet.frame);
-        let frame = rows_of(py, &frame)?;
+        let frame = matrix_rows(py, &frame)?;
         if let Some((solid, material)) = self.0.solid() {
             let solid = PySolid::from_solid(solid.clone()).into_pyobject(py)?.into_any();
             return Ok((name, solid, material_name(material), frame));
@@ -92,18 +92,4 @@ fn material_name(material: &Material) -> String {
         Material::Transparent(medium) | Material::Metal(medium) => medium.name().to_owned(),
         Material::Opaque => "absorber".to_owned(),
     }
-}
-
-/// A map as a 4 x 4 matrix.
-fn rows_of<'py>(py: Python<'py>, map: &Affine) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let mut flat = [0.0; 16];
-    flat[15] = 1.0;
-    for row in 0..3 {
-        for column in 0..3 {
-            flat[4 * row + column] = map.linear.col(column)[row];
-        }
-        flat[4 * row + 3] = map.translation[row];
-    }
-    let array = numpy::ndarray::Array2::from_shape_vec((4, 4), flat.to_vec()).map_err(bad_value)?;
-    Ok(PyArray2::from_owned_array(py, array))
 }

@@ -85,13 +85,17 @@ pub struct Optics {
     #[arg(long, value_name = "WHAT", requires = "layout")]
     colour: Option<Colours>,
 
-    /// Drawing of one lens of a lens file, .svg, .pdf, .png or .jpg: a section with diameter and centre thickness, and the radii, clear diameters and glass in the tabular form of ISO 10110-1
+    /// Drawing of one lens of a lens file, or of cemented lenses, .svg, .pdf, .png or .jpg: a section with diameter and centre thickness, and the radii, clear diameters and glass in the tabular form of ISO 10110-1
     #[arg(long, value_name = "DRAWING")]
     drawing: Option<PathBuf>,
 
-    /// The lens of --drawing, counted from 1 in the order of the light
-    #[arg(long, value_name = "N", requires = "drawing", default_value_t = 1)]
-    element: usize,
+    /// The lens of --drawing, counted from 1 in the order of the light, or cemented lenses such as 1-2
+    #[arg(long, value_name = "N", requires = "drawing", default_value = "1", value_parser = lenses)]
+    element: [usize; 2],
+
+    /// Text of a field of --drawing, such as "left 3/=2(0.5)"; repeatable. The fields of a lens: thickness, diameter (tolerances), 0/, 1/, 2/, and left or right: radius (tolerance), chamfer, coating, 3/, 4/, 5/, 6/; of cemented lenses: thickness, diameter, cement, 4/, 5/, note
+    #[arg(long, value_name = "FIELD=TEXT", requires = "drawing", value_parser = indication)]
+    indication: Vec<(String, String)>,
 
     /// Spot diagram, .svg, .pdf, .png or .jpg: the points where light crosses a sheet; for a lens file, one diagram per field
     #[arg(long, value_name = "DRAWING")]
@@ -109,7 +113,7 @@ pub struct Optics {
     #[arg(long, value_name = "N", default_value_t = 96, value_parser = crate::arguments::count::<u16, 1, 512>)]
     bins: u16,
 
-    /// Table of light paths: the elements along each path, reflections (ghosts), number of rays and power
+    /// Table of light paths: the elements along each path, reflections (ghosts) with their surfaces, number of rays and power
     #[arg(long, value_name = "TABLE")]
     paths: Option<PathBuf>,
 
@@ -131,6 +135,22 @@ pub struct Optics {
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
+}
+
+/// A number, or the first and the last one of a range.
+fn lenses(text: &str) -> Result<[usize; 2], String> {
+    let number = |part: &str| {
+        let problem = |_| "expected a number such as 2, or a range such as 1-2".to_owned();
+        part.parse::<usize>().map_err(problem)
+    };
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    Ok([number(first)?, number(last)?])
+}
+
+/// A field and its text.
+fn indication(text: &str) -> Result<(String, String), String> {
+    let (field, text) = text.split_once('=').ok_or_else(|| "expected FIELD=TEXT".to_owned())?;
+    Ok((field.trim().to_owned(), text.trim().to_owned()))
 }
 
 /// Command-line names of [`Branches`].
@@ -208,7 +228,8 @@ impl Optics {
             None => self.draw_layout(&optics, &system, unit)?,
         }
         let drawn = self.drawn(&detectors, detector, &summary.balance)?;
-        self.draw_detector(drawn, &fields, unit)?;
+        let airy_radius = lens.and_then(|lens| data.as_ref()?.airy_radius(lens.unit_nm));
+        self.draw_detector(drawn, &fields, (unit, airy_radius))?;
         self.write_paths(paths.as_ref(), &system, &summary.balance)?;
         let image = image.and_then(|name| detectors.list().iter().position(|own| own.name == name));
         let name = self.model.name();
@@ -288,7 +309,7 @@ impl Optics {
             return Err(Failure::Usage(text.to_owned()));
         };
         let title = self.model.name();
-        let svg = rayweave::lens_drawing(lens, self.element, "")
+        let svg = rayweave::lens_drawing_with(lens, self.element, "", self.indication.clone())
             .map_err(|error| lens_file::wrong(&self.model, &error))?;
         drawing::save(path, &svg, &title)
     }
@@ -374,7 +395,12 @@ impl Optics {
     }
 
     /// Draws the light at a sheet; a lens has one spot per field.
-    fn draw_detector(&self, drawn: Option<&Detector>, fields: &[String], unit: &str) -> Result<(), Failure> {
+    fn draw_detector(
+        &self,
+        drawn: Option<&Detector>,
+        fields: &[String],
+        (unit, airy_radius): (&str, Option<f64>),
+    ) -> Result<(), Failure> {
         let Some(Detector { name, spots, by_source, irradiance, .. }) = drawn else { return Ok(()) };
         if let Some(path) = &self.spot {
             let titles: Vec<String> =
@@ -382,7 +408,7 @@ impl Optics {
             let named: Vec<_> = titles.iter().map(String::as_str).zip(by_source).collect();
             let drawing = match named.is_empty() {
                 true => spot_svg(spots, name, unit),
-                false => spots_svg(&named, name, unit),
+                false => spots_svg(&named, name, unit, airy_radius),
             };
             drawing::save(path, &drawing, &self.model.name())?;
         }
@@ -397,7 +423,7 @@ impl Optics {
 
     fn write_paths(&self, paths: Option<&Paths>, system: &System, balance: &Balance) -> Result<(), Failure> {
         if let (Some(out), Some(paths)) = (&self.paths, paths) {
-            write_paths(out, paths, system.element_names(), balance.emitted)?;
+            write_paths(out, paths, system, balance.emitted)?;
         }
         Ok(())
     }
@@ -455,6 +481,19 @@ fn stray_text(image: &Detector) -> String {
     let rays = if hits == 1 { "1 ray".to_owned() } else { format!("{hits} rays") };
     format!(
         "- {rays} ({share:.1} % of the power) reach the image on other paths, past a lens or after reflections; they are not in the RMS\n"
+    )
+}
+
+/// The line about ghosts that pass beside the image of a lens.
+fn ghosts_text(image: &Detector, emitted: f64) -> String {
+    let (ghosts, power) = image.ghosts_beside;
+    if ghosts == 0 {
+        return String::new();
+    }
+    let rays = if ghosts == 1 { "1 ray".to_owned() } else { format!("{ghosts} rays") };
+    format!(
+        "- {rays} of ghosts ({} of the emitted power) pass beside the image, which is as wide as the lens file states or as its light; state a wider one: DIAM of the last surface, image_semi_diameter in Python\n",
+        short(terminal::rounded(power / emitted, 3))
     )
 }
 
@@ -531,6 +570,7 @@ impl Report<'_> {
             }
             text += &format!("\n{}", terminal::table(&head, &rows, &right));
             text += &stray_text(&self.detectors.list()[image]);
+            text += &ghosts_text(&self.detectors.list()[image], self.summary.balance.emitted);
         }
         text
     }
@@ -571,6 +611,8 @@ impl Report<'_> {
                 entry["fields"] = detector.by_source.iter().enumerate().map(field).collect();
                 let (hits, power) = stray(detector);
                 entry["stray"] = json!({ "hits": hits, "power": power });
+                let (rays, power) = detector.ghosts_beside;
+                entry["ghosts_beside"] = json!({ "rays": rays, "power": power });
             }
             entry
         };

@@ -137,7 +137,7 @@ fn ghosts() {
     let bench = bench();
     bench.says(&["optics", "plate.toml", "--branches", "both", "--paths", "paths.csv", "--quiet"]);
     let table = bench.read("paths.csv");
-    assert_eq!(table.lines().next(), Some("path,reflections,end,rays,power,part"));
+    assert_eq!(table.lines().next(), Some("path,reflections,end,rays,power,part,reflected_at"));
     let rows = rows(&table);
     let r: f64 = 0.04;
     let through = |reflections: i32| 2.0 * (1.0 - r).powi(2) * r.powi(reflections);
@@ -155,7 +155,77 @@ fn ghosts() {
     let back = rows.iter().find(|row| row[0] == "plate* -").unwrap();
     assert_eq!(back[1..4], ["1", "", "5000"]);
     assert!((number(back[4]) - 2.0 * r).abs() < 1e-12);
+    // the faces of the reflections, as in the table of segments
+    let twice = rows.iter().find(|row| row[1] == "2" && row[2] == "screen").unwrap();
+    assert_eq!(back[6], "plate.plate.z-", "{table}");
+    assert_eq!(twice[6], "plate.plate.z+ plate.plate.z-", "{table}");
     assert!(rows.windows(2).all(|pair| number(pair[0][4]) >= number(pair[1][4])));
+}
+
+/// Ghosts that pass beside the image are counted: a wider image catches exactly these.
+#[test]
+fn ghosts_beside_the_image() {
+    let bench = Bench::new();
+    let file = |image: &str| {
+        format!(
+            "UNIT MM\nWAVM 1 0.5875618 1\nPWAV 1\nENPD 20\nYFLN 0\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n CURV 0.02\n DISZ 6\n GLAS N-BK7\nSURF 2\n \
+             CURV -0.01\n DISZ 60\nSURF 3\n{image}"
+        )
+    };
+    bench.write("narrow.zmx", &file(""));
+    bench.write("wide.zmx", &file(" DIAM 500 1\n"));
+    let run = |name: &str| {
+        let json = bench.json(&["optics", name, "--branches", "both", "--json"]);
+        let sheets = json["sheets"].as_array().unwrap();
+        let image = sheets.iter().find(|sheet| sheet["sheet"] == "image").unwrap().clone();
+        let pair = |key: &str, count: &str| {
+            (image[key][count].as_u64().unwrap(), image[key]["power"].as_f64().unwrap())
+        };
+        (pair("ghosts_beside", "rays"), pair("stray", "hits"))
+    };
+    let ((beside, lost), (hits, power)) = run("narrow.zmx");
+    let ((none, _), (all, total)) = run("wide.zmx");
+    assert!(beside > 100 && lost > 0.0 && none == 0, "{beside} {lost} {none}");
+    assert_eq!(beside + hits, all);
+    assert!((lost + power - total).abs() < 1e-9 * total);
+    let said = bench.says(&["optics", "narrow.zmx", "--branches", "both"]);
+    assert!(
+        said.contains(&format!("- {beside} rays of ghosts (")) && said.contains("image_semi_diameter"),
+        "{said}"
+    );
+    assert!(!bench.says(&["optics", "wide.zmx", "--branches", "both"]).contains("of ghosts"));
+}
+
+/// A cemented doublet: each lens, and both on one sheet, with indications.
+#[test]
+fn drawings_of_lenses() {
+    let bench = Bench::new();
+    let file = "UNIT MM\nWAVM 1 0.5875618 1\nPWAV 1\nENPD 20\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n CURV 0.02\n DISZ 6\n GLAS N-BK7\nSURF 2\n CURV -0.02\n \
+                DISZ 2.5\n GLAS N-SF5\nSURF 3\n DISZ 60\nSURF 4\n CURV 0.01\n DISZ 4\n GLAS N-BK7\nSURF 5\n DISZ 60\nSURF 6\n";
+    bench.write("doublet.zmx", file);
+    let draw = |extra: &[&str]| {
+        bench.says(&[&["optics", "doublet.zmx", "--drawing", "out.svg", "--quiet"], extra].concat());
+        bench.read("out.svg")
+    };
+    let one =
+        draw(&["--element", "2", "--indication", "left 3/=2(0.5)", "--indication", "thickness=\u{b1} 0.05"]);
+    assert!(
+        one.contains(">R 50 CC<") && one.contains(">3/ 2(0.5)<") && one.contains(">2.5 \u{b1} 0.05<"),
+        "{one}"
+    );
+    let both = draw(&["--element", "1-2", "--indication", "cement=NOA 61"]);
+    for text in [">8.5<", ">R1: R 50 CX<", ">R3: R \u{221e}<", ">Cement NOA 61<", "N-SF5"] {
+        assert!(both.contains(text), "{text}: {both}");
+    }
+    let fails =
+        |extra: &[&str]| bench.fails(3, &[&["optics", "doublet.zmx", "--drawing", "x.svg"], extra].concat());
+    assert!(fails(&["--element", "4"]).contains("there is no lens 4: the lenses have the numbers 1 to 3"));
+    let apart = fails(&["--element", "2-3"]);
+    assert!(apart.contains("lens 2-3 and lens 4-5 are not cemented"), "{apart}");
+    assert!(fails(&["--indication", "left 7/=1"]).contains("there is no field \"left 7/\" on this drawing"));
+    assert!(
+        bench.fails(2, &["optics", "doublet.zmx", "--drawing", "x.svg", "--element", "x"]).contains("1-2")
+    );
 }
 
 /// Two faces of reflectance r transmit (1 - r) / (1 + r).

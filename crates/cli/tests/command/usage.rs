@@ -16,6 +16,13 @@ fn wrong_command_lines() {
         "{unknown}"
     );
     assert!(bench.fails(2, &["info", "-x.toml"]).contains("'-- -x'"));
+    let file = bench.fails(2, &["render", "ball.toml", "sheet.svg"]);
+    assert!(
+        file.contains("unexpected argument 'sheet.svg' found") && file.contains("-o sheet.svg"),
+        "{file}"
+    );
+    let hyphen = bench.fails(2, &["info", "ball.toml", "--json", "-"]);
+    assert!(hyphen.contains("--json take no value and write to standard output"), "{hyphen}");
     assert!(bench.fails(2, &["info", "ball.toml", "-D", "R"]).contains("such as R=60"));
     assert!(bench.fails(2, &["info", "ball.toml", "--threads", "0"]).contains("--threads"));
 }

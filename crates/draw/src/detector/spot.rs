@@ -2,9 +2,10 @@
 
 use super::chart::{BELOW, Chart, LEFT, MARGIN, TOP};
 use crate::axis::format_number;
-use crate::legend::{self, Wavelengths};
+use crate::legend::{self, Entry, Swatch, Wavelengths};
 use crate::svg::{Anchor, Pixels, Svg};
 use rayweave_optics::detector::{SpotDiagram, SpotPoint};
+use rayweave_scene::Unit;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -30,7 +31,8 @@ const HEADING: f64 = 30.0;
 const STYLE: &str = "\
 .point { fill: none; stroke-linecap: round; stroke-width: 2.4; stroke-opacity: 0.7 }
 .circle { fill: none; stroke: #1d2733; stroke-width: 1; stroke-dasharray: 5 4 }
-@media (prefers-color-scheme: dark) { .circle { stroke: #e4e9ee } }
+.airy { fill: none; stroke: #1d2733; stroke-width: 0.8 }
+@media (prefers-color-scheme: dark) { .circle, .airy { stroke: #e4e9ee } }
 ";
 
 /// Draws a spot diagram: the points in the coordinates of the detector, coloured by wavelength, and a circle with the RMS radius
@@ -48,17 +50,20 @@ pub fn spot_svg(spot: &SpotDiagram, name: &str, unit: &str) -> String {
     let window = Window::around(spot, half_width(spot));
     let chart = Chart::new(window.lo, window.hi);
     let mut svg = Svg::default();
-    let (title, subtitle) = (format!("Spot diagram: {name}"), subtitle(spot, unit, &window));
-    draw_spot(spot, &chart, [&title, &subtitle], unit, &mut svg);
+    let (title, subtitle) = (format!("Spot diagram: {name}"), subtitle(spot, unit, (1.0, unit), &window));
+    draw_spot(spot, &chart, [&title, &subtitle], &Scale::of(unit), &mut svg);
     let [left, top, width, height] = chart.frame();
     let wavelengths = Wavelengths::new(spot.points().iter().map(|point| point.wavelength_nm));
     let right = (left + width + MARGIN).max(extent(&subtitle));
-    let bottom = legend::draw(&mut svg, &wavelengths.entries(), top + height + BELOW + 4.0, right);
+    let entries = entries(&wavelengths, false);
+    let bottom = legend::draw(&mut svg, &entries, top + height + BELOW + 4.0, right);
     svg.finish([right, bottom], &title, &subtitle, STYLE)
 }
 
 /// Draws spot diagrams of one detector side by side, for example one for each field of a lens. All have the same scale; each is
-/// centred at its own centroid, with its own RMS radius. `spots` are names and diagrams; `unit` is the unit of length.
+/// centred at its own centroid, from which the axes count, with its own RMS radius as a dashed circle. `spots` are names and
+/// diagrams; `unit` is the unit of length, in place of which spots are in micrometres if it is one of [`Unit`]. `airy_radius` is the
+/// radius of the first dark ring of a lens without aberrations, drawn in each of them.
 ///
 /// ```
 /// use rayweave_draw::detector::spots_svg;
@@ -66,13 +71,15 @@ pub fn spot_svg(spot: &SpotDiagram, name: &str, unit: &str) -> String {
 ///
 /// let mut spots = [SpotDiagram::default(), SpotDiagram::default()];
 /// (0..100).for_each(|k| spots[k % 2].add([(k % 10) as f64, 0.1 * (k / 10) as f64], 550.0, 1.0));
-/// let drawing = spots_svg(&[("axis", &spots[0]), ("rim", &spots[1])], "image", "mm");
+/// let drawing = spots_svg(&[("axis", &spots[0]), ("rim", &spots[1])], "image", "mm", None);
 /// assert_eq!(drawing.matches("50 rays, ").count(), 2);
 /// ```
-pub fn spots_svg(spots: &[(&str, &SpotDiagram)], name: &str, unit: &str) -> String {
+pub fn spots_svg(spots: &[(&str, &SpotDiagram)], name: &str, unit: &str, airy_radius: Option<f64>) -> String {
     let half = spots.iter().map(|(_, spot)| half_width(spot)).fold(0.0, f64::max);
-    let panels: Vec<Panel<'_>> =
-        spots.iter().map(|&(title, spot)| Panel::new(title, spot, half, unit)).collect();
+    let half = half.max(1.08 * airy_radius.unwrap_or(0.0));
+    let (scale, given) = Scale::small(unit);
+    let panel = |&(title, spot)| Panel::new(title, spot, half, (&scale, unit, given));
+    let panels: Vec<Panel<'_>> = spots.iter().map(panel).collect();
     let texts = panels.iter().map(|panel| extent(&panel.subtitle));
     let [width, height] = [texts.fold(LEFT + PANEL + MARGIN, f64::max), TOP + PANEL + BELOW];
     let columns = panels.len().clamp(1, MAX_COLUMNS);
@@ -82,14 +89,63 @@ pub fn spots_svg(spots: &[(&str, &SpotDiagram)], name: &str, unit: &str) -> Stri
     svg.text("title", [MARGIN, 30.0], Anchor::Start, &title, &title);
     for (k, Panel { title, subtitle, spot, window }) in panels.iter().enumerate() {
         let corner = [width * (k % columns) as f64, HEADING + height * (k / columns) as f64];
-        let chart = Chart::at(corner, PANEL, window.lo, window.hi);
-        draw_spot(spot, &chart, [title, subtitle], unit, &mut svg);
+        let own = Scale { centre: spot.centroid(), ..scale.clone() };
+        let chart = Chart::at(corner, PANEL, own.place(window.lo), own.place(window.hi));
+        draw_spot(spot, &chart, [title, subtitle], &own, &mut svg);
+        if let Some(radius) = airy_radius {
+            svg.circle(
+                "airy",
+                chart.position([0.0; 2]),
+                chart.x.position(own.factor * radius) - chart.x.position(0.0),
+                "",
+            );
+        }
     }
     let points = spots.iter().flat_map(|(_, spot)| spot.points());
     let wavelengths = Wavelengths::new(points.map(|point| point.wavelength_nm));
     let (right, bottom) = (width * columns as f64, HEADING + height * panels.len().div_ceil(columns) as f64);
-    let bottom = legend::draw(&mut svg, &wavelengths.entries(), bottom + 4.0, right);
+    let bottom = legend::draw(&mut svg, &entries(&wavelengths, airy_radius.is_some()), bottom + 4.0, right);
     svg.finish([right, bottom], &title, &text, STYLE)
+}
+
+/// The entries of the legend: wavelengths and circles.
+fn entries(wavelengths: &Wavelengths, has_airy: bool) -> Vec<Entry> {
+    let circle = |name: &str, class| Entry {
+        name: name.to_owned(),
+        colour: String::new(),
+        swatch: Swatch::Circle(class),
+    };
+    let mut entries = wavelengths.entries();
+    entries.push(circle("RMS radius", "circle"));
+    entries.extend(has_airy.then(|| circle("Airy disk on the axis", "airy")));
+    entries
+}
+
+/// The coordinates of a chart: distances from a point, in a unit of their own.
+#[derive(Clone)]
+struct Scale {
+    centre: [f64; 2],
+    factor: f64,
+    unit: String,
+}
+
+impl Scale {
+    /// The coordinates of the detector.
+    fn of(unit: &str) -> Scale {
+        Scale { centre: [0.0; 2], factor: 1.0, unit: unit.to_owned() }
+    }
+
+    /// Micrometres, and their factor, where the unit is known.
+    fn small(unit: &str) -> (Scale, f64) {
+        Unit::parse(unit).map_or((Scale::of(unit), 1.0), |known| {
+            let factor = known.metres() * 1e6;
+            (Scale { centre: [0.0; 2], factor, unit: "\u{b5}m".to_owned() }, factor)
+        })
+    }
+
+    fn place(&self, point: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| self.factor * (point[k] - self.centre[k]))
+    }
 }
 
 /// One of several spot diagrams.
@@ -101,20 +157,26 @@ struct Panel<'a> {
 }
 
 impl<'a> Panel<'a> {
-    fn new(title: &'a str, spot: &'a SpotDiagram, half: f64, unit: &str) -> Panel<'a> {
+    fn new(
+        title: &'a str,
+        spot: &'a SpotDiagram,
+        half: f64,
+        (scale, unit, factor): (&Scale, &str, f64),
+    ) -> Panel<'a> {
         let window = Window::around(spot, half);
-        Panel { title, subtitle: subtitle(spot, unit, &window), spot, window }
+        let radius = (factor, scale.unit.as_str());
+        Panel { title, subtitle: subtitle(spot, unit, radius, &window), spot, window }
     }
 }
 
 /// Draws points, the circle of the RMS radius, and axes.
-fn draw_spot(spot: &SpotDiagram, chart: &Chart, titles: [&str; 2], unit: &str, svg: &mut Svg) {
-    draw_points(spot.points(), chart, svg);
-    let [x0, x1] = [0.0, spot.rms_radius()].map(|x| chart.x.position(x));
+fn draw_spot(spot: &SpotDiagram, chart: &Chart, titles: [&str; 2], scale: &Scale, svg: &mut Svg) {
+    draw_points(spot.points(), chart, scale, svg);
+    let [x0, x1] = [0.0, scale.factor * spot.rms_radius()].map(|x| chart.x.position(x));
     if x1 - x0 > 1.0 {
-        svg.circle("circle", chart.position(spot.centroid()), x1 - x0, "");
+        svg.circle("circle", chart.position(scale.place(spot.centroid())), x1 - x0, "");
     }
-    chart.draw(svg, titles, unit);
+    chart.draw(svg, titles, &scale.unit);
 }
 
 /// The width of a subtitle with its margins.
@@ -122,14 +184,16 @@ fn extent(subtitle: &str) -> f64 {
     2.0 * MARGIN + 6.0 * subtitle.chars().count() as f64
 }
 
-fn subtitle(spot: &SpotDiagram, unit: &str, window: &Window) -> String {
+/// The number of rays, the centroid, and the RMS radius, by a factor in a unit of its own.
+fn subtitle(spot: &SpotDiagram, unit: &str, (factor, small): (f64, &str), window: &Window) -> String {
     if spot.count() == 0 {
         return "no light arrives".to_owned();
     }
     let resolution = 1e-3 * (window.hi[0] - window.lo[0]);
     let [x, y] = spot.centroid().map(|coordinate| format_number(coordinate, resolution));
-    let radius = format_number(spot.rms_radius(), 1e-4 * spot.rms_radius().max(f64::MIN_POSITIVE));
-    let text = format!("{} rays, centroid ({x}, {y}) {unit}, RMS radius {radius} {unit}", spot.count());
+    let radius = factor * spot.rms_radius();
+    let radius = format_number(radius, 1e-4 * radius.max(f64::MIN_POSITIVE));
+    let text = format!("{} rays, centroid ({x}, {y}) {unit}, RMS radius {radius} {small}", spot.count());
     match window.outside > REPORTED {
         true => format!("{text}; {} % of the power outside", format_number(100.0 * window.outside, 1e-2)),
         false => text,
@@ -178,11 +242,11 @@ impl Window {
 /// Layers of points: each has all colours, so that no colour hides the others.
 const LAYERS: usize = 8;
 
-fn draw_points(points: &[SpotPoint], chart: &Chart, svg: &mut Svg) {
+fn draw_points(points: &[SpotPoint], chart: &Chart, scale: &Scale, svg: &mut Svg) {
     let mut colours: BTreeMap<String, (usize, [String; LAYERS])> = BTreeMap::new();
     let [left, top, width, height] = chart.frame();
     for &SpotPoint { point, wavelength_nm, .. } in points {
-        let [x, y] = chart.position(point);
+        let [x, y] = chart.position(scale.place(point));
         let is_outside = x < left || x > left + width || y < top || y > top + height;
         if !is_outside {
             let (count, layers) = colours.entry(legend::wavelength_paint(wavelength_nm)).or_default();
@@ -215,9 +279,11 @@ mod tests {
             spots[1].add(point(4.0, 100.0), 550.0, 1.0);
         }
         let named: Vec<(&str, &SpotDiagram)> = ["a", "b", "c"].into_iter().zip(&spots).collect();
-        let drawing = spots_svg(&named, "image", "mm");
-        assert!(drawing.contains("centroid (0, 0) mm, RMS radius 1 mm"), "{drawing}");
-        assert!(drawing.contains("centroid (100, 0) mm, RMS radius 4 mm"), "{drawing}");
+        let drawing = spots_svg(&named, "image", "mm", None);
+        assert!(drawing.contains("centroid (0, 0) mm, RMS radius 1000 \u{b5}m"), "{drawing}");
+        assert!(drawing.contains("centroid (100, 0) mm, RMS radius 4000 \u{b5}m"), "{drawing}");
+        // the axes count from the centroid
+        assert!(drawing.contains(">x / \u{b5}m<") && !drawing.contains(">100<"), "{drawing}");
         assert!(drawing.contains("no light arrives"), "{drawing}");
         // the radii of the circles in pixels
         let radii: Vec<f64> = drawing
@@ -225,8 +291,13 @@ mod tests {
             .skip(1)
             .map(|text| text[..text.find('"').unwrap()].parse().unwrap())
             .collect();
-        assert_eq!(radii.len(), 2, "{drawing}");
+        // the last one is in the legend
+        assert_eq!(radii.len(), 3, "{drawing}");
         assert!((radii[1] / radii[0] - 4.0).abs() < 0.05, "{radii:?}");
+        // the Airy disk in every diagram, and in the legend
+        let drawing = spots_svg(&named, "image", "mm", Some(2.0));
+        assert_eq!(drawing.matches("class=\"airy\"").count(), 4, "{drawing}");
+        assert!(drawing.contains(">Airy disk on the axis<"), "{drawing}");
     }
 
     #[test]

@@ -6,6 +6,8 @@ mod spot;
 pub use irradiance::{IrradianceBins, IrradianceMap};
 pub use spot::{SpotDiagram, SpotPoint};
 
+use crate::paths::is_reflected;
+use crate::segments::Event;
 use crate::{Segments, System};
 use rayweave_math::{Affine, Vec3};
 
@@ -52,6 +54,9 @@ pub struct Detector {
     pub by_source: Vec<SpotDiagram>,
     /// The power that arrives; empty if irradiance is not binned.
     pub irradiance: IrradianceBins,
+    /// The number and the power of rays that were partially reflected by solids, leave the system and cross the plane of the
+    /// sheet beside it: ghosts that a wider sheet would catch.
+    pub ghosts_beside: (u64, f64),
     middle: Vec3,
     /// Unit vectors.
     axes: [Vec3; 2],
@@ -100,8 +105,9 @@ impl Detectors {
         self
     }
 
-    /// Adds the light of all segments that end at a sheet.
+    /// Adds the light of all segments that end at a sheet; a table has all segments of its rays.
     pub fn add(&mut self, segments: &Segments) {
+        self.add_ghosts(segments);
         let [x, y, z] = &segments.end;
         for (row, &element) in segments.element.iter().enumerate() {
             let element = usize::try_from(element).ok().and_then(|number| self.of_element.get(number));
@@ -124,10 +130,51 @@ impl Detectors {
         }
     }
 
+    /// Counts escaping ghosts that pass beside the sheets.
+    fn add_ghosts(&mut self, segments: &Segments) {
+        if !segments.event.contains(&(Event::Split as u8)) {
+            return;
+        }
+        let vector = |of: &[Vec<f64>; 3], row: usize| Vec3::new(of[0][row], of[1][row], of[2][row]);
+        for row in (0..segments.len()).filter(|&row| segments.event[row] == Event::Escaped as u8) {
+            if self.wavelength_nm.is_some_and(|wanted| wanted != segments.wavelength_nm[row])
+                || !is_ghost(segments, row)
+            {
+                continue;
+            }
+            // light that a sheet transmits starts on it
+            let from = parent(segments, row).map_or(-1, |parent| segments.element[parent]);
+            let (start, direction) = (vector(&segments.start, row), vector(&segments.direction, row));
+            for detector in self.list.iter_mut().filter(|own| own.element as i32 != from) {
+                let normal = detector.axes[0].cross(detector.axes[1]);
+                if normal.dot(detector.middle - start) / normal.dot(direction) > 0.0 {
+                    detector.ghosts_beside.0 += 1;
+                    detector.ghosts_beside.1 += segments.intensity[row];
+                }
+            }
+        }
+    }
+
     /// The detectors in the order of their elements.
     pub fn list(&self) -> &[Detector] {
         &self.list
     }
+}
+
+fn parent(segments: &Segments, row: usize) -> Option<usize> {
+    usize::try_from(segments.parent[row]).ok().filter(|&parent| parent < row)
+}
+
+/// True if a ray was reflected where light splits, at least once.
+fn is_ghost(segments: &Segments, row: usize) -> bool {
+    let mut at = row;
+    while let Some(before) = parent(segments, at) {
+        if segments.event[before] == Event::Split as u8 && is_reflected(segments, before, at) {
+            return true;
+        }
+        at = before;
+    }
+    false
 }
 
 impl Detector {
@@ -139,6 +186,7 @@ impl Detector {
             spots: SpotDiagram::default(),
             by_source: Vec::new(),
             irradiance: IrradianceBins::default(),
+            ghosts_beside: (0, 0.0),
             middle: frame.translation,
             axes: [axis(Vec3::X), axis(Vec3::Y)],
         }

@@ -99,7 +99,9 @@ def _lengths(size: Any) -> list[float]:
 
 @dataclass(frozen=True)
 class Path:
-    """A path of light through the system.
+    """A path of light through the system: `text`, its elements, with a `*` for each reflection and a `-` for none; the number of
+    `rays` that end on it and their `power`; `reflected_at`, the surfaces of the reflections in order, by their names in
+    `System.surface_names`.
 
     >>> import rayweave.optics as ro
     >>> system = ro.System([ro.biconvex_lens(50, 50, 5, aperture=25), ro.detector(25.0).translate([0, 0, 49])])
@@ -111,33 +113,80 @@ class Path:
     text: str
     rays: int
     power: float
+    reflected_at: tuple[str, ...] = ()
+
+
+class PathList(list[Path]):
+    """The paths of a trace, the strongest first; `print` shows them as a table. `notes` state, for each plane sheet, how many rays
+    of ghosts pass beside it."""
+
+    notes: list[str]
+
+    def __str__(self) -> str:
+        rows = [("power", "rays", "path", "reflected at")]
+        rows += [(f"{path.power:.3e}", str(path.rays), path.text, ", ".join(path.reflected_at)) for path in self[:_SHOWN]]
+        widths = [max(len(row[k]) for row in rows) for k in range(4)]
+        lines = [f"{a:>{widths[0]}}  {b:>{widths[1]}}  {c:<{widths[2]}}  {d}".rstrip() for a, b, c, d in rows]
+        if len(self) > _SHOWN:
+            power = sum(path.power for path in self[_SHOWN:])
+            lines.append(f"and {len(self) - _SHOWN} weaker paths with a power of {power:.3e}")
+        return "\n".join(lines + self.notes)
+
+
+#: The number of paths that are printed.
+_SHOWN = 20
 
 
 _BACK = ("reflected", "totally reflected", "scattered")
 
 
-def paths_of(trace: Mapping[str, NDArray[Any]], elements: list[str], events: list[str]) -> list[Path]:
+def paths_of(trace: Mapping[str, NDArray[Any]], elements: list[str], surfaces: list[str], events: list[str]) -> PathList:
     parent = trace["parent"]
     if len(parent) and (parent.max() >= len(parent) or np.any(trace["generation"][parent < 0] > 0)):
         raise RayweaveError("some segments are missing: paths need a whole trace.")
     came_back = _came_back(trace, events)
     names: list[str] = []
-    numbers: dict[tuple[int, bool, int], int] = {}
+    reflections: list[tuple[str, ...]] = []
+    numbers: dict[tuple[int, int | None, int], int] = {}
     ways = np.empty(len(parent), int)
     for row in np.argsort(trace["generation"], kind="stable"):
         before = int(ways[parent[row]]) if parent[row] >= 0 else -1
-        key = (before, bool(came_back[row]), int(trace["element"][row]))
+        place = int(trace["surface"][parent[row]]) if came_back[row] else None
+        key = (before, place, int(trace["element"][row]))
         if key not in numbers:
             numbers[key] = len(names)
-            first = "" if before < 0 else names[before] + ("* " if key[1] else " ")
+            first = "" if before < 0 else names[before] + (" " if place is None else "* ")
             names.append(first + ("-" if key[2] < 0 else elements[key[2]]))
+            earlier = reflections[before] if before >= 0 else ()
+            reflections.append(earlier if place is None else (*earlier, "-" if place < 0 else surfaces[place]))
         ways[row] = numbers[key]
     is_last = np.ones(len(parent), bool)
     is_last[parent[parent >= 0]] = False
     rays = np.bincount(ways[is_last], minlength=len(names))
     power = np.bincount(ways[is_last], trace["intensity"][is_last], minlength=len(names))
-    found = [Path(name, int(rays[k]), float(power[k])) for k, name in enumerate(names) if rays[k]]
-    return sorted(found, key=lambda path: -path.power)
+    found = [Path(name, int(rays[k]), float(power[k]), reflections[k]) for k, name in enumerate(names) if rays[k]]
+    return PathList(sorted(found, key=lambda path: -path.power))
+
+
+def ghosts_beside(
+    trace: Mapping[str, NDArray[Any]], number: int, place: NDArray[np.float64], events: list[str]
+) -> NDArray[np.bool_]:
+    """The rows of ghosts that leave the system and cross the plane of a sheet beside it: light that was reflected where it was
+    split. `number` is that of the sheet among the elements, `place` (4, 4) its place."""
+    parent, event = trace["parent"], trace["event"]
+    is_ghost = _came_back(trace, events) & (event[parent] == events.index("split"))
+    for row in np.argsort(trace["generation"], kind="stable"):
+        is_ghost[row] |= parent[row] >= 0 and is_ghost[parent[row]]
+    start, tilts = (np.stack([trace[name] for name in names], axis=1) for names in (_STARTS, _TILTS))
+    normal = np.cross(place[:3, 0], place[:3, 1])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ahead = (place[:3, 3] - start) @ normal / (tilts @ normal) > 0.0
+    # light that the sheet transmits starts on it
+    is_beyond = (parent >= 0) & (trace["element"][parent] == number)
+    return np.asarray(is_ghost & ahead & ~is_beyond & (event == events.index("escaped")))
+
+
+_STARTS, _TILTS = ("x0", "y0", "z0"), ("x_tilt", "y_tilt", "z_tilt")
 
 
 def _came_back(trace: Mapping[str, NDArray[Any]], events: list[str]) -> NDArray[np.bool_]:

@@ -24,10 +24,15 @@ _STRAIGHT = 1e-6
 _CURVED = _core.event_names().index("curved")
 
 # as in the layouts of the command
+#: Colours of media in the order of the elements.
+_MEDIA = ("#cfe4f4", "#f6e4c8", "#d3ecd6", "#e6d9ee", "#f7d9d4", "#d2eeea", "#ecebc4")
 #: Light with less than this fraction of its initial power is not drawn.
 _FAINTEST = 1e-4
 #: Least fraction of the initial power, width relative to that of the rays, and opacity.
 _WEIGHTS = ((0.3, 1.0, 1.0), (0.03, 0.75, 0.7), (3e-3, 0.55, 0.45), (0.0, 0.4, 0.3))
+#: The greatest number of rays, and of their segments, that are drawn by default; and the least number of rays in the plane of the
+#: picture that represent all.
+_RAYS, _PIECES, _FEWEST = 200, 1500, 5
 #: Light is shown up to this distance from the elements, relative to their size.
 _BEYOND = 0.6
 
@@ -38,7 +43,7 @@ def draw(
     color: str,
     ax: Axes | None,
     width: float,
-    rays: int,
+    rays: int | None,
     escape: float | None,
     hidden: Sequence[str] = (),
 ) -> Axes:
@@ -51,7 +56,7 @@ def draw(
     if ax is None:
         ax = plt.subplots(figsize=(10, 5))[1]
     across, up = _AXES[view]
-    starts, ends, chosen = _pieces(trace, rays)
+    starts, ends, chosen = _pieces(trace, rays, (across, up))
     limits = _limits(trace.system, starts, ends, across, up)
     length = escape if escape is not None else 0.2 * float(limits[0][1] - limits[0][0])
     tilts = np.stack([trace[f"{k}_tilt"] for k in "xyz"], axis=1)[chosen]
@@ -72,13 +77,35 @@ def draw(
     return ax
 
 
-def _pieces(trace: Trace, rays: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-    ids = np.unique(trace["id"])
-    step = max(1, -(-len(ids) // max(rays, 1)))
-    chosen = np.isin(trace["id"], ids[::step]) & (_fractions(trace) >= _FAINTEST)
+def _pieces(trace: Trace, rays: int | None, plane: tuple[int, int]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    is_bright = _fractions(trace) >= _FAINTEST
+    ids = _default_rays(trace, is_bright, plane) if rays is None else _each_nth(np.unique(trace["id"]), rays)
+    chosen = np.isin(trace["id"], ids) & is_bright
     starts = np.stack([trace[f"{k}0"] for k in "xyz"], axis=1)[chosen]
     ends = np.stack([trace[f"{k}1"] for k in "xyz"], axis=1)[chosen]
     return starts, ends, chosen
+
+
+def _each_nth(ids: NDArray[Any], count: int) -> NDArray[Any]:
+    """At most `count` of some rays, evenly spaced."""
+    return ids[:: max(1, -(-len(ids) // count))]
+
+
+def _default_rays(trace: Trace, is_bright: NDArray[Any], plane: tuple[int, int]) -> NDArray[Any]:
+    """All rays or, if they are more than `_RAYS` or have more than `_PIECES` segments, those in the plane of the picture, or
+    every n-th."""
+    ids = np.unique(trace["id"])
+    segments = int(is_bright.sum())
+    if len(ids) <= _RAYS and segments <= _PIECES or not len(ids):
+        return ids
+    off = "xyz"[({0, 1, 2} - set(plane)).pop()]
+    size = max(float(np.abs(trace[f"{axis}0"]).max(initial=0.0)) for axis in "xyz")
+    leaves = (np.abs(trace[f"{off}0"]) > 1e-9 * size) | (np.abs(trace[f"{off}_tilt"]) > 1e-9)
+    inside = np.setdiff1d(ids, trace["id"][leaves])
+    # a few rays do not show the light
+    if len(inside) >= _FEWEST:
+        segments, ids = int((is_bright & np.isin(trace["id"], inside)).sum()), inside
+    return _each_nth(ids, max(1, min(_RAYS, _PIECES * len(ids) // max(segments, 1))))
 
 
 def _fractions(trace: Trace) -> NDArray[np.float64]:
@@ -170,6 +197,7 @@ def _sections(
     (left, right), (low, high) = limits
     at = np.linspace(left, right, _LINES)
     spacing = at[1] - at[0]
+    media: dict[str, str] = {}
     rows = np.linspace(low, high, _LINES)
     for body in system.elements:
         if body.name in hidden:
@@ -179,7 +207,7 @@ def _sections(
             _outline(ax, surface & trim, trim - surface, across, up, limits)
             continue
         segments = _cuts(body.body, at, across, up, (low, high))
-        shade = "#9aa0a6" if body.material in ("mirror", "absorber") else "#a8d1f0"
+        shade = _shade(body.material, media)
         ax.add_collection(
             LineCollection(segments, colors=shade, linewidths=_points(ax, spacing, right - left), zorder=1)
         )
@@ -193,6 +221,13 @@ def _sections(
         if segments or steep:
             ends = np.concatenate(segments + steep)
             ax.plot(ends[:, 0], ends[:, 1], ".", markersize=1.0, color="#30506a", zorder=2)
+
+
+def _shade(material: Any, media: dict[str, str]) -> str:
+    """The colour of a material; each medium has one of its own, in the order in which they come."""
+    if isinstance(material, str) and material in ("mirror", "absorber"):
+        return "#9aa0a6"
+    return media.setdefault(str(material), _MEDIA[len(media) % len(_MEDIA)])
 
 
 def _cuts(

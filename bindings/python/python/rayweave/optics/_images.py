@@ -182,8 +182,8 @@ class Spots(Columns):
         return table
 
     def show(self, *, axes: Sequence[Axes] | None = None) -> Plot:
-        """Draws the spot diagrams about their centroids in micrometres, to one scale, coloured by wavelength, with the
-        Airy disk of the primary wavelength, or of the only one, on the axis, up to its first dark ring."""
+        """Draws the spot diagrams about their centroids in micrometres, to one scale, coloured by wavelength, with the RMS radius as
+        a dashed circle, and the Airy disk of the primary wavelength, or of the only one, on the axis, up to its first dark ring."""
         from rayweave.optics._drawing import wavelength_rgb
 
         plt = package("matplotlib.pyplot", "drawings")
@@ -196,8 +196,10 @@ class Spots(Columns):
         for k, (ax, image) in enumerate(zip(axes, self.images, strict=False)):
             x, y = scale * (image["x"] - self["x"][k]), scale * (image["y"] - self["y"][k])
             ax.scatter(x, y, s=3.0, c=wavelength_rgb(image["wavelength_nm"]))
+            circle = package("matplotlib.patches", "drawings").Circle
             if self._airy > 0.0:
-                ax.add_patch(package("matplotlib.patches", "drawings").Circle((0.0, 0.0), scale * self._airy, fill=False, linewidth=0.8))
+                ax.add_patch(circle((0.0, 0.0), scale * self._airy, fill=False, linewidth=0.8))
+            ax.add_patch(circle((0.0, 0.0), scale * self["rms"][k], fill=False, linewidth=0.8, linestyle="--"))
             ax.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
             ax.set_title(f"{self._titles[k]}, RMS {scale * self['rms'][k]:#.3g} {unit}", fontsize="small")
             _labelled(ax, f"x, {unit}", f"y, {unit}" if k == 0 else "", legend=False)
@@ -214,6 +216,7 @@ class Spots(Columns):
         lines = np.unique(np.concatenate([image["wavelength_nm"] for image in self.images]))
         shades = zip(lines.tolist(), wavelength_rgb(lines), strict=True)
         handles = [handle([], [], marker="o", markersize=3.0, linestyle="", color=shade, label=f"{line:g} nm") for line, shade in shades]
+        handles.append(handle([], [], linewidth=0.8, linestyle="--", color="black", label="RMS radius"))
         if self._airy > 0.0:
             handles.append(handle([], [], marker="o", markersize=8.0, linestyle="", color="black", fillstyle="none", label="Airy disk"))
         ax.legend(handles=handles, fontsize="small", loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
@@ -263,13 +266,14 @@ class Fans(Columns):
         return self["pupil"][wanted], self[f"error_{along}"][wanted]
 
     def show(self, *, axes: Any = None) -> Plot:
-        """Draws the fans, field by field, coloured by wavelength: a row for each, along y and along x. `axes` is an
-        array (fields, 2)."""
+        """Draws the fans in micrometres, field by field, coloured by wavelength: a row for each, along y and along x. `axes` is
+        an array (fields, 2)."""
         from rayweave.optics._drawing import wavelength_rgb
 
         plt = package("matplotlib.pyplot", "drawings")
 
         fields = np.unique(self["field"])
+        scale, unit = _micrometres(self.units["error_y"])
         if axes is None:
             size = (8.0, 2.2 * len(fields) + 0.6)
             axes = plt.subplots(len(fields), 2, sharex=True, sharey=True, figsize=size, squeeze=False, layout="constrained")[1]
@@ -277,12 +281,13 @@ class Fans(Columns):
             for ax, along in zip(row, _ALONG, strict=True):
                 for line in np.unique(self["wavelength_nm"]).tolist():
                     shade = wavelength_rgb(np.array([line]))
-                    ax.plot(*self.fan(field, line, along), color=shade[0], label=f"{line:g} nm")
+                    pupil, error = self.fan(field, line, along)
+                    ax.plot(pupil, scale * error, color=shade[0], label=f"{line:g} nm")
                 ax.axhline(0.0, color="#a0a0a0", linewidth=0.6)
                 name = self._names[field] if field < len(self._names) else f"field {field}"
                 ax.set_title(f"{name}, along {along}", fontsize="small")
                 last = field == fields[-1]
-                up = f"error, {self.units['error_y']}" if along == "y" else ""
+                up = f"error, {unit}" if along == "y" else ""
                 _labelled(ax, "pupil" if last else "", up, legend=field == fields[0] and along == "y")
         return Plot(axes)
 
@@ -488,13 +493,13 @@ class _ByField(Columns):
         """A column of one field."""
         return np.asarray(self[name][self["field"] == field])
 
-    def _show(self, ax: Axes | Plot | None, across: str, names: dict[str, str], up: str) -> Axes:
+    def _show(self, ax: Axes | Plot | None, across: str, names: dict[str, str], up: str, scale: float = 1.0) -> Axes:
         ax = one_axes(ax)
         for field in np.unique(self["field"]).tolist():
             for name, style in names.items():
                 label = self._name(field) + (f", {name}" if len(names) > 1 else "")
                 at = self.of_field(field, across)
-                ax.plot(at, self.of_field(field, name), style, color=f"C{field}", label=label)
+                ax.plot(at, scale * self.of_field(field, name), style, color=f"C{field}", label=label)
         unit = self.units[across]
         return _labelled(ax, f"{across}, {unit}" if unit else across, up)
 
@@ -621,8 +626,9 @@ class ThroughFocus(_ByField):
         return cls(columns, {"shift": unit, "rms": unit})
 
     def show(self, *, ax: Axes | Plot | None = None) -> Plot:
-        """Draws the radii over the shift."""
-        return Plot(self._show(ax, "shift", {"rms": "-"}, f"RMS radius, {self.units['rms']}"))
+        """Draws the radii in micrometres over the shift."""
+        scale, unit = _micrometres(self.units["rms"])
+        return Plot(self._show(ax, "shift", {"rms": "-"}, f"RMS radius, {unit}", scale))
 
 
 @dataclass(frozen=True)

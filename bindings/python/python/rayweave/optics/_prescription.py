@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast
@@ -1159,24 +1159,42 @@ class Prescription:
         ax.set_title(self.name)
         return Plot(ax)
 
-    def drawing(self, lens: int | Element = 1, *, title: str = "") -> Drawing:
+    def drawing(
+        self, lens: int | Element | tuple[int, int] = 1, *, title: str = "", indications: Mapping[str, str] | None = None
+    ) -> Drawing:
         """The drawing of one lens, counted from 1 in the order of the light, or given as one of `elements`, in the tabular form
-        of ISO 10110-1: a section with diameter and centre thickness, and radii, clear diameters and glass. Fields for
-        indications that a prescription does not have, such as the tolerance of the surface form, are empty.
+        of ISO 10110-1: a section with diameter and centre thickness, and radii, clear diameters and glass. A pair of numbers is the
+        first and the last of cemented lenses, which are drawn on one sheet.
+
+        `indications` are texts of fields that a prescription does not have; without them, the fields are empty. A lens has
+        tolerances behind "thickness", "diameter", "left radius" and "right radius", the fields "left chamfer", "left coating",
+        "left 3/", "left 4/", "left 5/", "left 6/", the same on the "right", and "0/", "1/", "2/" of the material. Cemented lenses have
+        "thickness", "diameter", "cement", "4/", "5/" and "note".
+
+        `save` writes the drawing as .svg; the command `rayweave optics lens.zmx --drawing lens.pdf --element 2` also writes .pdf, .png
+        and .jpg.
 
         >>> import rayweave.optics as ro
         >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
-        >>> drawing = ro.Prescription(surfaces, entrance_pupil_diameter=10).drawing(1)
-        >>> "R 50 CX" in drawing.svg
-        True
+        >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10)
+        >>> drawing = lens.drawing(1, indications={"left 3/": "2(0.5)", "thickness": "± 0.05"})
+        >>> "R 50 CX" in drawing.svg, "3/ 2(0.5)" in drawing.svg
+        (True, True)
         """
-        number = lens
+        first: object = lens
+        last: object = lens
+        if isinstance(lens, tuple):
+            if len(lens) != 2:
+                raise TypeError(f"lens is {lens!r}: it must be a number, or the first and the last number of cemented lenses.")
+            first, last = lens
         if isinstance(lens, Element):
             lenses = [name for name, *_ in self._compiled.parts() if name.startswith("lens ")]
             if lens.name not in lenses:
                 raise _core.RayweaveError(f"{lens.name!r} is no lens of the prescription: the lenses are {', '.join(lenses)}.")
-            number = lenses.index(lens.name) + 1
-        return Drawing(self._compiled.drawing(whole(number, "lens", least=1), text(title, "title")))
+            first = last = lenses.index(lens.name) + 1
+        texts = [(text(name, "a field"), text(own, f"the text of {name!r}")) for name, own in (indications or {}).items()]
+        numbers = whole(first, "lens", least=1), whole(last, "lens", least=1)
+        return Drawing(self._compiled.drawing(*numbers, text(title, "title"), texts))
 
     def _has_stop_in_air(self) -> bool:
         """True if the medium is the same on both sides of the stop."""
@@ -1384,7 +1402,7 @@ def _pupil(pupil: ArrayLike | None, rings: int) -> NDArray[np.float64]:
 def _element(name: str, body: Any, material: Any, spec: Any, faces: Any) -> Element:
     finish = Finish(spec[0], tuple(spec[1]))
     if isinstance(body, Sheet):
-        return Element(name, body, action=finish)
+        return Element(name, body, action=finish, place=body.frame())
     own = tuple((face, Finish(kind, tuple(numbers))) for face, (kind, numbers) in faces)
     return Element(name, body, material, finish, own)
 

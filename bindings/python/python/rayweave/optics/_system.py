@@ -16,7 +16,7 @@ from rayweave._core import Glass, Model, Solid
 from rayweave._model import Medium, Region
 from rayweave._progress import Progress, callback
 from rayweave._table import Rows, dataset, table_of
-from rayweave.optics._analysis import Path, Spot, irradiance_of, paths_of, spot_of
+from rayweave.optics._analysis import PathList, Spot, ghosts_beside, irradiance_of, paths_of, spot_of
 from rayweave.optics._elements import Element, _medium, _yellow
 from rayweave.optics._given import all_of, array, flag, package, real, text, unknown, whole
 from rayweave.optics._plot import Plot, one_axes
@@ -430,6 +430,10 @@ class Trace(Mapping[str, NDArray[Any]]):
             if event not in events:
                 unknown("event", event, events)
             chosen &= self.columns["event"] == events.index(event)
+        return self._selected(chosen)
+
+    def _selected(self, chosen: NDArray[np.bool_]) -> Trace:
+        """Some of the rows."""
         part = Trace(self.system, {name: column[chosen] for name, column in self.columns.items()}, self._balance)
         part._is_whole = False
         return part
@@ -473,10 +477,35 @@ class Trace(Mapping[str, NDArray[Any]]):
         cosine = np.abs(tilts @ axis) / np.linalg.norm(axis)
         return np.asarray(np.degrees(np.arccos(np.clip(cosine, 0.0, 1.0))))
 
-    def paths(self) -> list[Path]:
+    def paths(self) -> PathList:
         """The paths of the light, as sequences of elements, with rays and power, the strongest first. A `*` marks a
-        reflection: in a lens, ghosts are the paths with two reflections."""
-        return paths_of(self, self.system.element_names, _core.event_names())
+        reflection: in a lens, ghosts are the paths with two reflections. `Path.reflected_at` has their surfaces: in a system of a
+        `Prescription`, `lens 2-3` has the surface 2 at its front and 3 at its back. `print` shows a table, and notes about ghosts
+        that pass beside a sheet (`ghosts_beside`)."""
+        found = paths_of(self, self.system.element_names, self.system.surface_names, _core.event_names())
+        found.notes = [note for part in self.system.elements if isinstance(part.body, _core.Sheet) if (note := self._note(part.name))]
+        return found
+
+    def ghosts_beside(self, element: str) -> Trace:
+        """The rows of ghosts that miss a sheet: light that was reflected by solids where it was split (`branches="both"`), leaves
+        the system, and crosses the plane of the sheet beside it. A wider sheet catches it; that of a prescription is
+        as wide as its `image_semi_diameter`, by default as the light of its fields."""
+        if not self._is_whole:
+            raise _core.RayweaveError("earlier rows are missing. Call ghosts_beside on the whole trace.")
+        part = self._element(element)
+        number = self.system.element_names.index(element)
+        chosen = ghosts_beside(self, number, np.asarray(part.place), _core.event_names())
+        return self._selected(chosen)
+
+    def _note(self, element: str) -> str:
+        """The note about ghosts that pass beside a sheet, if there are any."""
+        beside = self.ghosts_beside(element)
+        if not beside.rows:
+            return ""
+        count = "1 ray" if beside.rows == 1 else f"{beside.rows} rays"
+        power = float(beside["intensity"].sum())
+        hint = "Make it wider; that of a prescription by image_semi_diameter."
+        return f"{count} of ghosts with a power of {power:.3e} pass beside the sheet {element!r}. {hint}"
 
     def _element(self, name: str) -> Element:
         return self.system.elements[self.system.element_names.index(name)]
@@ -516,16 +545,16 @@ class Trace(Mapping[str, NDArray[Any]]):
         color: Literal["wavelength", "source"] | str = "wavelength",
         ax: Axes | Plot | None = None,
         ray_width: float = 0.8,
-        rays: int = 200,
+        rays: int | None = None,
         escape: float | None = None,
     ) -> Plot:
         """Draws the cross-section of the solids in the coordinate plane `view`, with all rays projected onto it, by
         matplotlib.
 
         Rays are coloured by wavelength, by source, or all in one colour. If there are more than `rays` rays, every n-th is
-        drawn. Light with less power has thinner and fainter lines; light with less than a ten-thousandth of its initial power is
-        omitted. The picture shows the elements and a margin of 0.6 times their size. Light that escapes is drawn with the length
-        `escape`, by default a fifth of the picture.
+        drawn. By default at most 200 rays with at most 1500 segments are drawn; where there are more, as in traces of ghosts, only those
+        in the plane of the picture, if there are any. Light with less power has thinner and fainter lines; light with less than a
+        ten-thousandth of its initial power is omitted. The picture shows the elements and a margin of 0.6 times their size. Light that escapes is drawn with the length `escape`, by default a fifth of the picture.
         """
         return Plot(self._show(view, color=color, ax=ax, ray_width=ray_width, rays=rays, escape=escape))
 
@@ -536,7 +565,7 @@ class Trace(Mapping[str, NDArray[Any]]):
         color: str = "wavelength",
         ax: Axes | Plot | None = None,
         ray_width: float = 0.8,
-        rays: int = 200,
+        rays: int | None = None,
         escape: float | None = None,
         hidden: Sequence[str] = (),
     ) -> Axes:
@@ -544,7 +573,8 @@ class Trace(Mapping[str, NDArray[Any]]):
         from rayweave.optics._drawing import draw
 
         given = one_axes(ax) if isinstance(ax, Plot) else ax
-        return draw(self, view, color, given, ray_width, whole(rays, "rays", least=1), escape, hidden)
+        count = None if rays is None else whole(rays, "rays", least=1)
+        return draw(self, view, color, given, ray_width, count, escape, hidden)
 
 
 def _material_text(element: Element) -> str:

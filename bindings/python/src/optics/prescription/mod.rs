@@ -103,10 +103,19 @@ impl PyPrescription {
         parts(py, &layout.assembly)?.into_iter().map(|part| part.into_bound_py_any(py)).collect()
     }
 
-    /// The drawing of a lens, counted from 1, as SVG.
-    #[pyo3(signature = (number, title))]
-    fn drawing(&self, py: Python<'_>, number: usize, title: &str) -> PyResult<String> {
-        py.detach(|| rayweave::lens_drawing(&self.lens, number, title)).map_err(bad_value)
+    /// The drawing of a lens, or of the cemented lenses from the first to the last number, counted from 1, as SVG, with the texts
+    /// of fields.
+    #[pyo3(signature = (first, last, title, indications))]
+    fn drawing(
+        &self,
+        py: Python<'_>,
+        first: usize,
+        last: usize,
+        title: &str,
+        indications: Vec<(String, String)>,
+    ) -> PyResult<String> {
+        py.detach(|| rayweave::lens_drawing_with(&self.lens, [first, last], title, indications))
+            .map_err(bad_value)
     }
 
     /// The clear semi-diameters of the surfaces and of the image.
