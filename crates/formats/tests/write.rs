@@ -1,5 +1,7 @@
 //! Round trips: scenes written in every format and read back give the same solid, compared by rays and closed forms.
 
+#[path = "write/assembly.rs"]
+mod assembly;
 #[path = "write/coaxial.rs"]
 mod coaxial;
 #[path = "write/outlines.rs"]

@@ -232,31 +232,44 @@ fn solid(
     region: usize,
     way: Way,
     count: &TriangleCount,
-) -> Result<(Option<Body>, bool), WriteError> {
+) -> Result<(Option<Part>, bool), WriteError> {
     let own = &model.scene.regions[region];
     check_count(&own.solid, &own.name)?;
     let mut builder = Triangulator { model, region, way, combined: 0, count };
     let part = fold(&own.solid, &mut builder)?;
-    let body = part.map_or(Ok(None), |part| builder.body(part)).map_err(|why| builder.failed(why))?;
-    Ok((body, builder.combined > 0))
+    Ok((part, builder.combined > 0))
 }
 
-/// The bodies of all regions before subtractions.
+/// The solids of all regions before subtractions.
 struct Solids {
-    bodies: Vec<Option<Body>>,
-    /// True if profiles were combined.
+    parts: Vec<Option<Part>>,
+    way: Way,
+    /// True if profiles were combined, or can be.
     has_profiles: bool,
 }
 
 impl Solids {
     fn of(model: &Model, way: Way) -> Result<Solids, WriteError> {
-        let (mut all, count) = (Solids { bodies: Vec::new(), has_profiles: false }, TriangleCount::default());
+        let (mut parts, mut has_profiles, count) = (Vec::new(), false, TriangleCount::default());
         for region in 0..model.scene.regions.len() {
-            let (body, has_profiles) = solid(model, region, way, &count)?;
-            all.bodies.push(body);
-            all.has_profiles |= has_profiles;
+            let (part, has_some) = solid(model, region, way, &count)?;
+            parts.push(part);
+            has_profiles |= has_some;
         }
-        Ok(all)
+        // those of different regions
+        has_profiles |= parts.iter().flatten().filter(|part| matches!(part, Part::Turned(_))).count() > 1;
+        Ok(Solids { parts, way, has_profiles })
+    }
+
+    /// The solids as bodies.
+    fn bodies(&self, model: &Model) -> Result<Vec<Option<Body>>, WriteError> {
+        let count = TriangleCount::default();
+        let body = |(region, part): (usize, &Option<Part>)| {
+            let builder = Triangulator { model, region, way: self.way, combined: 0, count: &count };
+            let body = part.clone().map_or(Ok(None), |part| builder.body(part));
+            body.map_err(|why| builder.failed(why))
+        };
+        self.parts.iter().enumerate().map(body).collect()
     }
 }
 
@@ -276,6 +289,11 @@ fn diagnosed(mesh: &Mesh) -> Diagnosis {
     diagnosis
 }
 
+/// True if all meshes are sound, or so flat that they are left out.
+fn is_sound(all: &[Made]) -> bool {
+    all.iter().all(|one| one.diagnosis.is_sound() || one.mesh.is_flat())
+}
+
 /// Bodies as meshes. If one of them is not sound, solids of revolution are combined by their profiles instead; that takes longer, and
 /// equal circles of neighbouring regions may have different facets.
 fn sound(
@@ -290,7 +308,6 @@ fn sound(
         });
         meshes.collect()
     };
-    let is_sound = |all: &[Made]| all.iter().all(|one| one.diagnosis.is_sound() || one.mesh.is_flat());
     let first = made(&Solids::of(model, Way::Bodies)?)?;
     if is_sound(&first) {
         return Ok(first);
@@ -309,7 +326,8 @@ pub(super) fn meshes(model: &Model) -> Result<Vec<Made>, WriteError> {
 }
 
 /// The bodies of all regions, with their names, minus later ones.
-fn apart(model: &Model, Solids { bodies: solids, .. }: &Solids) -> Result<Vec<(String, Body)>, WriteError> {
+fn apart(model: &Model, solids: &Solids) -> Result<Vec<(String, Body)>, WriteError> {
+    let solids = solids.bodies(model)?;
     let mut bodies = Vec::new();
     for (number, region) in model.regions() {
         let Some(body) = &solids[number] else { continue };
@@ -325,21 +343,60 @@ fn apart(model: &Model, Solids { bodies: solids, .. }: &Solids) -> Result<Vec<(S
 }
 
 /// All regions as one body: the solids are united before any subtraction, so that no coincident cut faces arise, and
-/// regions of the world's medium are subtracted.
+/// regions of the world's medium are subtracted. Solids of revolution that touch are united by their profiles, if they have any: equal
+/// circles of two regions may have different facets.
 fn whole(model: &Model, solids: &Solids) -> Result<Vec<(String, Body)>, WriteError> {
-    let mut together = Vec::new();
-    for (region, body) in model.scene.regions.iter().zip(&solids.bodies) {
-        let failed = |why| WriteError::Kernel { region: region.name.clone(), why };
-        let Some(body) = body.clone() else { continue };
+    let (mut together, count) = (Vec::new(), TriangleCount::default());
+    let mut builder = Triangulator { model, region: 0, way: solids.way, combined: 0, count: &count };
+    for (number, (region, part)) in model.scene.regions.iter().zip(&solids.parts).enumerate() {
+        builder.region = number;
+        let Some(part) = part.clone() else { continue };
         if region.medium != 0 {
-            together.push(body);
-        } else if let Some(all) = Body::union_all(std::mem::take(&mut together)).map_err(failed)? {
-            together.extend(all.difference(&body).map_err(failed)?);
+            together.push(part);
+        } else if !together.is_empty()
+            && let Some(all) = builder.join(Operation::Union, std::mem::take(&mut together))?
+        {
+            together.extend(builder.join(Operation::Difference, vec![all, part])?);
         }
     }
-    let all = Body::union_all(together);
-    let all = all.map_err(|why| WriteError::Kernel { region: "model".to_owned(), why })?;
-    Ok(all.into_iter().map(|body| (String::new(), body)).collect())
+    if together.is_empty() {
+        return Ok(Vec::new());
+    }
+    let failed = |why| WriteError::Kernel { region: WHOLE.to_owned(), why };
+    let all = builder.joined(Operation::Union, together).map_err(failed)?;
+    let body = all.map_or(Ok(None), |all| builder.body(all)).map_err(failed)?;
+    Ok(body.into_iter().map(|body| (WHOLE.to_owned(), body)).collect())
+}
+
+/// The name of all regions as one body in messages.
+const WHOLE: &str = "model";
+
+/// The union of all regions for a format without regions. If no way gives a sound mesh, the regions are shells of their own, each with a
+/// sound mesh: slicers and other programs accept shells that touch.
+fn united(model: &Model, options: &WriteOptions, remarks: &mut Remarks) -> Result<Vec<Made>, WriteError> {
+    let division = "the division into regions: the file contains one body, their union; 3MF, OBJ and glTF keep the regions apart";
+    let one = sound(model, whole);
+    if one.as_ref().is_ok_and(|one| is_sound(one)) {
+        remarks.add(RemarkKind::Dropped, division);
+        return one;
+    }
+    match meshes(model) {
+        Ok(regions) if is_sound(&regions) => {
+            remarks.add(
+                RemarkKind::Dropped,
+                "the names of regions: each region is a closed shell of its own, because facets of regions that touch do not match \
+                 and their union has no sound mesh at this tolerance; 3MF, OBJ and glTF keep the regions apart",
+            );
+            model.remark_on_cuts(remarks);
+            Ok(regions)
+        }
+        // the error about this mesh names the region
+        Ok(regions) if !options.allow_unsound => Ok(regions),
+        _ => {
+            remarks.add(RemarkKind::Dropped, division);
+            one
+        }
+    }
 }
 
 pub(super) fn write(
@@ -351,11 +408,7 @@ pub(super) fn write(
     let is_plain =
         matches!(format, MeshFormat::Ply | MeshFormat::Off) || format == MeshFormat::Stl && !options.text;
     let all = if is_plain && model.regions().count() > 1 {
-        remarks.add(
-            RemarkKind::Dropped,
-            "the division into regions: the file contains one body, their union; 3MF, OBJ and glTF keep the regions apart",
-        );
-        sound(model, whole)?
+        united(model, options, remarks)?
     } else {
         model.remark_on_cuts(remarks);
         meshes(model)?
