@@ -45,7 +45,7 @@ def infill(
     adjacent scan lines that overlap belong to one component of their layer.
 
     `angle` is in degrees from +x towards +y, `phase` a fraction of the spacing from 0 to 1. A solid is cut at the heights
-    `layers`, or in the middle of layers that are `layer_height` thick, from its lower bound upwards; a region is one
+    `layers`, or in the middle of layers that are `layer_height` thick, from its lowest point upwards; a region is one
     layer at z = 0. The lines of each layer are rotated by `turn` degrees relative to the layer before; with `alternate`, lines with
     odd numbers run backwards.
 

@@ -12,8 +12,8 @@ pub(super) const MAX_REACH: f64 = 1e59;
 pub enum Layers {
     /// At these heights, in this order.
     At(Vec<f64>),
-    /// In the middle of layers of this thickness, stacked from the lower bound of the solid upwards: layer j
-    /// is at `lo + (j + 1/2) height`, as long as that is below the upper bound.
+    /// In the middle of layers of this thickness, stacked from the lowest point of the solid upwards: layer j
+    /// is at `lo + (j + 1/2) height`, as long as that is below the highest point.
     Every(f64),
 }
 
@@ -21,7 +21,7 @@ pub enum Layers {
 pub const MAX_LAYERS: u64 = 1_000_000;
 
 impl Layers {
-    /// The heights of the layers; `bounds` and `name` are those of the solid.
+    /// The heights of the layers; `bounds` are the extent of the solid, and `name` is its name.
     ///
     /// # Errors
     ///

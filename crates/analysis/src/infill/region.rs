@@ -1,6 +1,7 @@
 //! Regions that can be filled, and their intersections with scan lines.
 
 use super::Raster;
+use crate::features::extent;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId};
 use rayweave_polygon::Polygons;
@@ -20,8 +21,13 @@ pub trait Fillable: Sync {
     /// The name in messages.
     fn name(&self) -> String;
 
-    /// A bounding box.
+    /// A bounding box, which may be too large.
     fn bounds(&self) -> Bounds;
+
+    /// The box that the region reaches on each side, if it can be found. It may miss a thin part at the outside.
+    fn extent(&self) -> Bounds {
+        self.bounds()
+    }
 
     /// Allocates scratch memory for one thread.
     fn scratch(&self) -> Self::Scratch;
@@ -48,6 +54,10 @@ impl<E: Evaluator> Fillable for Slices<'_, E> {
 
     fn bounds(&self) -> Bounds {
         self.0.program().bounds()
+    }
+
+    fn extent(&self) -> Bounds {
+        extent(self.0).map_or(self.bounds(), |extent| extent.bounds)
     }
 
     fn scratch(&self) -> Self::Scratch {

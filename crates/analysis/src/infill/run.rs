@@ -106,7 +106,7 @@ pub fn infill<F: Fillable, X: From<InfillError>>(
     run: &InfillRun,
     mut take: impl FnMut(LayerTraces) -> Result<(), X>,
 ) -> Result<Summary, X> {
-    let heights = plan(fillable, layers)?;
+    let heights = plan(fillable, filling, layers, &run.cancel)?;
     let rasters = rasters(filling, heights.len())?;
     let tasks = tasks(&fillable.bounds(), &heights, &rasters)?;
     let mut summary = Summary { layers: heights.len(), ..Summary::default() };
@@ -149,7 +149,12 @@ pub fn infill<F: Fillable, X: From<InfillError>>(
 }
 
 /// Checks that the region can be filled, and returns the heights of the layers.
-fn plan(fillable: &impl Fillable, layers: &Layers) -> Result<Vec<f64>, InfillError> {
+fn plan(
+    fillable: &impl Fillable,
+    filling: &Filling,
+    layers: &Layers,
+    cancel: &Cancel,
+) -> Result<Vec<f64>, InfillError> {
     let (name, bounds) = (fillable.name(), fillable.bounds());
     if bounds.is_empty() {
         return Err(InfillError::Empty { name });
@@ -165,7 +170,59 @@ fn plan(fillable: &impl Fillable, layers: &Layers) -> Result<Vec<f64>, InfillErr
     if reach > MAX_REACH {
         return Err(InfillError::TooFar { name, reach, most: MAX_REACH });
     }
-    layers.heights(&name, &bounds)
+    let &Layers::Every(height) = layers else { return layers.heights(&name, &bounds) };
+    // of the bounds, for their errors
+    layers.heights(&name, &bounds)?;
+    let extent = fillable.extent();
+    let mut heights = layers.heights(&name, &extent)?;
+    if extent == bounds {
+        return Ok(heights);
+    }
+    let mut missed =
+        Missed { fillable, raster: &filling.raster, bounds: &bounds, scratch: fillable.scratch() };
+    let at = |k: i64| extent.lo.z + (k as f64 + 0.5) * height;
+    let beyond = |from: i64, step: i64| {
+        (0..).map(move |k| at(from + step * k)).take_while(|z| (bounds.lo.z..=bounds.hi.z).contains(z))
+    };
+    let below = missed.layers(beyond(-1, -1).collect(), cancel)?;
+    let above = missed.layers(beyond(heights.len() as i64, 1).collect(), cancel)?;
+    heights.splice(0..0, below.into_iter().rev());
+    heights.extend(above);
+    Ok(heights)
+}
+
+/// Search for parts of a region beyond its extent, such as needles, which no ray has found.
+struct Missed<'a, F: Fillable> {
+    fillable: &'a F,
+    raster: &'a Raster,
+    bounds: &'a Bounds,
+    scratch: F::Scratch,
+}
+
+impl<F: Fillable> Missed<'_, F> {
+    /// The layers up to the last one with traces.
+    fn layers(&mut self, mut heights: Vec<f64>, cancel: &Cancel) -> Result<Vec<f64>, InfillError> {
+        while let Some(&z) = heights.last() {
+            if cancel.is_cancelled() {
+                return Err(InfillError::Cancelled);
+            }
+            if self.has_traces(z)? {
+                break;
+            }
+            heights.pop();
+        }
+        Ok(heights)
+    }
+
+    fn has_traces(&mut self, z: f64) -> Result<bool, InfillError> {
+        let corners = [self.bounds.lo, self.bounds.hi].map(|corner| [corner.x, corner.y]);
+        let lines = self.raster.scanlines(corners, MAX_LINES)?;
+        let mut starts = lines.clone().step_by(LINES_PER_TASK as usize);
+        Ok(starts.any(|start| {
+            let part = start..lines.end.min(start + LINES_PER_TASK);
+            !self.fillable.pieces(self.raster, z, part, &mut self.scratch).is_empty()
+        }))
+    }
 }
 
 /// The grid of scan lines of each layer.

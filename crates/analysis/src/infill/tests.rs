@@ -143,6 +143,27 @@ fn a_ball_by_layers_has_its_volume() {
     );
 }
 
+/// The box of an intersection of balls reaches to 2 along z, the intersection itself to sqrt(7) / 2.
+#[test]
+fn layers_begin_at_the_lowest_point() {
+    let ball = solid(Sphere::new(2.0).unwrap());
+    let lens = &ball & &ball.translate([3.0, 0.0, 0.0]);
+    let (height, filling) = (0.25, filling(0.05, 0.0, 0.0));
+    let layers = fill(&Slices(&weave(&lens)), &filling, &Layers::Every(height));
+    let top = 1.75f64.sqrt();
+    assert_eq!(layers.len(), 11);
+    for (j, layer) in layers.iter().enumerate() {
+        let z = -top + (j as f64 + 0.5) * height;
+        assert!((layer.z - z).abs() < 1e-8 && !layer.traces.is_empty(), "{j}: {} {z}", layer.z);
+    }
+    // thinner than the distance of the rays that search for the extent; a scan line passes through it
+    let needle = solid(Cylinder::new(1e-4, 3.8).unwrap()).translate([1.5, 0.0, 0.0]);
+    let layers = fill(&Slices(&weave(&(&lens | &needle))), &filling, &Layers::Every(height));
+    assert!(layers.iter().all(|layer| !layer.traces.is_empty()));
+    let (first, last) = (layers[0].z, layers[layers.len() - 1].z);
+    assert!(first > -1.9 && first - height < -1.9 && last < 1.9 && last + height > 1.9, "{first} {last}");
+}
+
 #[test]
 fn turning_region_and_raster_changes_no_length() {
     let shape = [[0.0, 0.0], [7.0, 1.0], [5.0, 3.0], [8.0, 6.0], [2.0, 5.0], [3.0, 3.0]];

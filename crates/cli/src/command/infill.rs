@@ -10,7 +10,7 @@ use rayweave::infill::{
     Fillable, Filling, InfillPicture, InfillRun, Layers, Raster, Slices, Summary, read_region, write_infill,
 };
 use rayweave::rootray::Side;
-use rayweave::{AnyEvaluator, Bounds, Compiled};
+use rayweave::{AnyEvaluator, Compiled};
 use std::path::{Path, PathBuf};
 
 /// Fill the layers of a solid with tool paths (parallel traces)
@@ -55,7 +55,7 @@ pub struct Infill {
     #[arg(long)]
     alternate: bool,
 
-    /// Layer thickness: layers are cut at mid-height, from the lower bound of the solid upwards
+    /// Layer thickness: layers are cut at mid-height, from the lowest point of the solid upwards
     #[arg(long, value_name = "H", value_parser = number, allow_hyphen_values = true, conflicts_with = "z")]
     layer_height: Option<f64>,
 
@@ -151,7 +151,7 @@ impl Infill {
             return Ok(());
         }
         let mut text = self.totals(&summary, unit);
-        text += &empty_layers(&lost, &fillable.bounds());
+        text += &empty_layers(&lost, fillable);
         if picture.left_out() > 0 {
             let most = InfillPicture::MAX_LAYERS;
             text += &format!("the picture shows only the first {most} layers; --z selects others.\n");
@@ -180,8 +180,9 @@ impl Infill {
 }
 
 /// A note about layers without traces.
-fn empty_layers(lost: &[(usize, f64)], bounds: &Bounds) -> String {
+fn empty_layers(lost: &[(usize, f64)], fillable: &impl Fillable) -> String {
     let Some(&(layer, z)) = lost.first() else { return String::new() };
+    let bounds = fillable.extent();
     let others = match lost.len() {
         1 => String::new(),
         n => format!(" (and {} more)", n - 1),

@@ -7,12 +7,13 @@ use crate::lens_data::{LensData, prescription_json, prescription_text};
 use crate::lens_file;
 use crate::terminal;
 use clap::Args;
+use rayweave::features::extent;
 use rayweave::formats::{Format, MeshFile};
 use rayweave::mesh::{Diagnosis, Mesh};
 use rayweave::model::simplify::{FormulaSize, PassReport, Preparation, Removal};
 use rayweave::model::{Leaf, LeafKind};
 use rayweave::scene::{Diagnostics, Scene, Unit};
-use rayweave::{Bounds, Compiled, Program};
+use rayweave::{AnyEvaluator, Bounds, Compiled, Program};
 use serde_json::{Value, json};
 use std::collections::HashSet;
 
@@ -176,7 +177,17 @@ impl Info {
         }
         let media: Vec<String> = scene.media.iter().map(medium).collect();
         facts.push(("media", media.join(", ")));
-        facts.push(("bounds", bounds_text(&compiled.program.bounds())));
+        let bounds = compiled.program.bounds();
+        match tighter(compiled) {
+            Some(extent) => {
+                facts.push(("extent", format!("{}, found by rays", bounds_text(&extent))));
+                facts.push((
+                    "bounds",
+                    format!("{}, a larger box that contains the model", bounds_text(&bounds)),
+                ));
+            }
+            None => facts.push(("bounds", bounds_text(&bounds))),
+        }
         facts.extend(statistics(&compiled.program).map(|(name, n)| (name, n.to_string())));
         let width = facts.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
         for (name, fact) in facts {
@@ -203,6 +214,7 @@ impl Info {
             "regions": scene.regions.iter().map(region).collect::<Vec<_>>(),
             "media": scene.media.iter().map(medium).collect::<Vec<_>>(),
             "bounds": bounds_json(&program.bounds()),
+            "extent": bounds_json(&tighter(compiled).unwrap_or_else(|| program.bounds())),
             "statistics": statistics(program).map(|(name, n)| (name.to_owned(), json!(n))).into_iter().collect::<serde_json::Map<_, _>>(),
             "leaves": program.leaves().map(|leaf| leaf_json(program, leaf)).collect::<Vec<_>>(),
         })
@@ -266,6 +278,18 @@ fn shared_surfaces(program: &Program) -> usize {
         faces[facet.surface().index()] += 1;
     }
     faces.iter().filter(|&&count| count > 1).count()
+}
+
+/// The largest number of leaves of a model whose extent is searched.
+const MAX_LEAVES: usize = 100_000;
+
+/// The extent of a model, if its bounding box is larger: boxes of intersections and differences are.
+fn tighter(compiled: &Compiled) -> Option<Bounds> {
+    let program = &compiled.program;
+    let placements = program.prototypes().first().map_or(1, |group| group.placements);
+    let is_small = program.leaves().len() < MAX_LEAVES && placements < MAX_LEAVES as u32;
+    let evaluator = is_small.then(|| AnyEvaluator::new(None, program.clone()).ok()).flatten()?;
+    extent(&evaluator).filter(|extent| !extent.is_exact).map(|extent| extent.bounds)
 }
 
 fn bounds_text(bounds: &Bounds) -> String {

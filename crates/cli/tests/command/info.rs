@@ -78,6 +78,25 @@ plate = union of 2
     assert!(short.contains("... (--lines N shows more)"), "{short}");
 }
 
+/// The box of two balls that overlap reaches to 2 along z, what they have in common to sqrt(7) / 2 only.
+#[test]
+fn larger_bounds_have_the_extent_beside_them() {
+    let bench = Bench::new();
+    bench.write(
+        "lens.toml",
+        "rayweave = 1\n[solid.a]\nsphere = { radius = 2 }\n[solid.b]\nsphere = { radius = 2 }\n\
+         transform = { translate = [3, 0, 0] }\n[solid.lens]\nexpr = \"a & b\"\n[[region]]\nsolid = \"lens\"",
+    );
+    let text = bench.says(&["info", "lens.toml"]);
+    assert!(
+        text.contains(", found by rays\n") && text.contains(", a larger box that contains the model\n"),
+        "{text}"
+    );
+    let facts = bench.json(&["info", "lens.toml", "--json"]);
+    let top = facts["extent"][1][2].as_f64().unwrap();
+    assert!((top - 1.75f64.sqrt()).abs() < 1e-8 && facts["bounds"][1][2] == 2.0, "{facts}");
+}
+
 #[test]
 fn solids_without_bounds_and_without_anything() {
     let bench = Bench::new();
