@@ -9,8 +9,9 @@ use crate::subject::{clipped, subject};
 use rayweave_error::{Classified, Message};
 use rayweave_math::Bounds;
 use rayweave_model::memory::Growth;
-use rayweave_model::{Evaluator, Program, Region, RegionId};
+use rayweave_model::{Evaluator, Program, Query, RayAnswer, RayBatch, Region, RegionId};
 use rayweave_scene::{Colour, Scene, SceneRegion};
+use rayweave_shape::Ray;
 use rayweave_shape::surface::{Plane, Surface, delta_of};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -63,8 +64,8 @@ pub struct CrossSection {
     /// The largest distance of contours from the surfaces; the error of an area is at most this times the
     /// perimeter.
     pub tolerance: f64,
-    /// True if the plane lies in a plane face of a shape of the model. The section then shows the material on one side of it:
-    /// [`SectionPlane::side_in_face`].
+    /// True if the plane lies in a plane face of the boundary of a part. The section then shows the material on one side of it:
+    /// [`SectionPlane::side_in_face`]. Rays search for such a face; one smaller than 1/96 of the section may be missed.
     pub in_face: bool,
 }
 
@@ -123,8 +124,10 @@ pub fn cross_sections<E: Evaluator, X: Classified + Send + Sync + 'static>(
     let mut sections = Vec::with_capacity(planes.len());
     let (mut bytes, mut growth) = (0, Growth::default());
     for plane in planes {
-        let in_face = faces.iter().any(|face| lies_in(plane, face));
-        let section = CrossSection { in_face, ..cutter.cut(plane)? };
+        let section = cutter.cut(plane)?;
+        // most planes of shapes are no faces there: those between the arcs of an outline, say
+        let in_face = faces.iter().any(|face| lies_in(plane, face)) && cutter.has_face_in(&section)?;
+        let section = CrossSection { in_face, ..section };
         bytes += section.size();
         growth.check(bytes).map_err(SectionError::from)?;
         sections.push(section);
@@ -200,6 +203,11 @@ pub(crate) struct Cutter<'a, E> {
 /// of contours lie, and their number, inversely proportional to the square root of the tolerance, exceeds a million for a circle.
 const FINEST: f64 = 1e-12;
 
+/// The number of rays along each side of a section that search for a face in its plane, and the distance from the plane, relative to the
+/// size of the model, that counts as rounding.
+const ACROSS: usize = 96;
+const FACE: f64 = 1e-9;
+
 impl<E: Evaluator> Cutter<'_, E> {
     pub fn cut(&self, plane: &SectionPlane) -> Result<CrossSection, AnalysisError> {
         let cut = plane.cut()?;
@@ -245,6 +253,32 @@ impl<E: Evaluator> Cutter<'_, E> {
         let found = section_with(&self.evaluator, &cut, &window, &self.settings.run)?;
         let found = found.renumbered(|region| self.kinds.number(region)).simplified(0.5 * tolerance);
         Ok(CrossSection { plane: *plane, parts: self.parts(&found), lo, hi, tolerance, in_face: false })
+    }
+
+    /// True if a ray across the plane of a section changes from one part to another there.
+    fn has_face_in(&self, section: &CrossSection) -> Result<bool, AnalysisError> {
+        let CrossSection { lo, hi, .. } = *section;
+        let cut = section.plane.cut()?;
+        let normal = cut.normal();
+        let near = FACE * self.evaluator.program().bounds().size().max_element();
+        let step = [0, 1].map(|k| (hi[k] - lo[k]) / ACROSS as f64);
+        // off the middle of the cells, where the faces across the plane of symmetric models are
+        let place = |k: usize| [(k % ACROSS, 0.37), (k / ACROSS, 0.41)].map(|(n, part)| n as f64 + part);
+        let mut batch = RayBatch::default();
+        for k in 0..ACROSS * ACROSS {
+            let at = place(k);
+            batch.push(Ray::new(cut.point([0, 1].map(|k| lo[k] + at[k] * step[k])), normal));
+        }
+        let mut is_found = false;
+        let mut sink = |answer: RayAnswer<'_>| {
+            is_found |= answer.crossings.iter().any(|crossing| {
+                crossing.t.abs() <= near
+                    && self.kinds.number(crossing.before) != self.kinds.number(crossing.after)
+            });
+        };
+        let mut scratch = self.evaluator.scratch();
+        self.evaluator.crossings(batch.rays(), &Query::default(), &mut scratch, &mut sink);
+        Ok(is_found)
     }
 
     fn parts(&self, found: &Section) -> Vec<SectionPart> {
