@@ -129,8 +129,10 @@ pub fn chain(
             () => 0.5 * (pair[0] + pair[1]),
         };
         lines += &line(at(from, 0.0), at(to, 0.0));
+        // a text wider than its place stands above the ends of the extension lines
+        let above = if width > room && 0 < k && k + 1 < count { BEYOND + 2.0 } else { ABOVE };
         let (place, turn) =
-            if is_vertical { ([x - ABOVE, middle], -90.0) } else { ([middle, y - ABOVE], 0.0) };
+            if is_vertical { ([x - above, middle], -90.0) } else { ([middle, y - above], 0.0) };
         svg.middle_text("value", place, turn, text);
     }
     svg.path("dimension", lines, "");

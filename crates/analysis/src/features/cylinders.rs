@@ -19,6 +19,9 @@ pub struct CylindricalFace {
     pub is_hole: bool,
     /// The part of the circumference that belongs to the face, 0 to 1, in steps of 1/24.
     pub share: f64,
+    /// The direction from the axis to the middle of the face around it, a unit vector to 1/48 of a turn; zero if the face goes all the
+    /// way around.
+    pub middle: Vec3,
     /// The depth of a hole that ends in the material at one end. It is measured from the plane around the open end, in front of a
     /// chamfer, to the floor of the hole, behind a fillet or chamfer in the corner. A hole without a floor, such as one with a conical
     /// or spherical end, is as deep as its full diameter: the depth ends where the cylinder does.
@@ -178,6 +181,24 @@ impl<'a> Lines<'a> {
         lines
     }
 
+    /// The direction from the axis to a line.
+    fn out(&self, line: usize) -> Vec3 {
+        // beside the axes of the model, where seams and corners are likely
+        let angle = TAU * (line as f64 + 0.37) / LINES as f64;
+        libm::cos(angle) * self.across[0] + libm::sin(angle) * self.across[1]
+    }
+
+    /// The direction to the middle of the lines of a face. Opposite parts of one cylinder have none: the first part counts.
+    fn middle(&self, is_there: &[bool; LINES]) -> Vec3 {
+        let there = || (0..LINES).filter(|line| is_there[*line]);
+        let sum: Vec3 = there().map(|line| self.out(line)).sum();
+        match there().count() {
+            LINES => Vec3::ZERO,
+            _ if sum.length() > 0.5 => sum.normalize(),
+            _ => there().next().map_or(Vec3::ZERO, |line| self.out(line)),
+        }
+    }
+
     /// The spans of lines at angles and distances from the axis.
     fn spans<E: Evaluator>(
         &self,
@@ -187,10 +208,7 @@ impl<'a> Lines<'a> {
     ) -> Vec<Spans> {
         let mut batch = RayBatch::default();
         for &(line, radius) in places {
-            // beside the axes of the model, where seams and corners are likely
-            let angle = TAU * (line as f64 + 0.37) / LINES as f64;
-            let out = libm::cos(angle) * self.across[0] + libm::sin(angle) * self.across[1];
-            batch.push(Ray::new(self.base + radius * out, self.cylinder.axis));
+            batch.push(Ray::new(self.base + radius * self.out(line), self.cylinder.axis));
         }
         spans_along(evaluator, &batch, scratch)
     }
@@ -258,6 +276,7 @@ impl<'a> Lines<'a> {
             radius: self.cylinder.radius,
             is_hole,
             share: count as f64 / LINES as f64,
+            middle: self.middle(&is_there),
             depth,
             is_through: is_hole && closed == [false; 2],
         }

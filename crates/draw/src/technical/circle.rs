@@ -33,10 +33,17 @@ pub struct Circle {
     pub is_hole: bool,
     /// True if more than half of the circle is there; it has a diameter, and others have a radius.
     pub is_full: bool,
+    /// Of an arc, the direction from the centre to its middle, and half of its angle.
+    pub arc: Option<(Point, f64)>,
+    /// True if a hole is open at both ends.
+    pub is_through: bool,
     pub depth: Option<f64>,
     /// The width of a groove, a hole that is closed at both ends.
     pub width: Option<f64>,
 }
+
+/// Half of the step of the angles of arcs, in radians: ends of arcs are no places for arrows.
+const HALF_STEP: f64 = std::f64::consts::PI / 24.0;
 
 /// The number of lines of a round corner.
 const ARC: u32 = 12;
@@ -58,6 +65,9 @@ impl Circle {
             radius: face.radius,
             is_hole: face.is_hole,
             is_full: face.share > 0.5,
+            arc: (face.share < 1.0)
+                .then(|| (plane.axes().map(|axis| axis.dot(face.middle)), std::f64::consts::PI * face.share)),
+            is_through: face.is_through,
             depth: face.depth,
             width: (face.is_hole && !face.is_through && face.depth.is_none()).then(|| face.length()),
         }
@@ -84,9 +94,48 @@ impl Circle {
             radius: libm::hypot(corners[0][0] - centre[0], corners[0][1] - centre[1]),
             is_hole: face.is_hole,
             is_full: true,
+            arc: None,
+            is_through: face.is_hole && face.depth.is_none(),
             depth: face.depth,
             width: None,
         }
+    }
+
+    /// The slot whose ends two half circles are.
+    fn slot(&self, other: &Circle, tolerance: f64) -> Option<Circle> {
+        let (Some((out, half)), Some((back, other_half))) = (self.arc, other.arc) else { return None };
+        let is_half = |half: f64| (half - std::f64::consts::FRAC_PI_2).abs() < HALF_STEP;
+        let apart = [0, 1].map(|k| self.centre[k] - other.centre[k]);
+        let length = libm::hypot(apart[0], apart[1]);
+        let along = |towards: Point| (apart[0] * towards[0] + apart[1] * towards[1]) / length.max(1e-300);
+        let is_slot = self.is_hole
+            && self.is_like(other, tolerance)
+            && self.is_through == other.is_through
+            && is_half(half)
+            && is_half(other_half)
+            && length > tolerance
+            && along(out) > libm::cos(HALF_STEP)
+            && along(back) < -libm::cos(HALF_STEP);
+        let size = [length + 2.0 * self.radius, 2.0 * self.radius];
+        let (corner_radius, angle) = (self.radius, libm::atan2(apart[1], apart[0]));
+        is_slot.then(|| Circle {
+            shape: Shape::Rectangle { size, angle, corner_radius },
+            centre: [0, 1].map(|k| 0.5 * (self.centre[k] + other.centre[k])),
+            radius: 0.5 * libm::hypot(size[0], size[1]),
+            is_full: true,
+            arc: None,
+            ..*self
+        })
+    }
+
+    /// The direction from the centre to the tip of an arrow from a text in a direction. The tip is on the circle; that of an arc on its
+    /// near side or, through its centre, on its far side, or else in its middle.
+    pub fn tip(&self, towards: Point) -> Point {
+        let Some((middle, half)) = self.arc else { return towards };
+        let is_on =
+            |to: Point| to[0] * middle[0] + to[1] * middle[1] > libm::cos((half - HALF_STEP).max(0.0));
+        let far = towards.map(|part| -part);
+        [towards, far].into_iter().find(|to| is_on(*to)).unwrap_or(middle)
     }
 
     /// The outline of a polygon with round corners as lines, without the last one; empty for a circle.
@@ -209,9 +258,10 @@ impl Circle {
 
 /// Groups circles of the same size, kind and depth, the largest first. `size` is that of the model; the texts have lengths to
 /// `resolution`.
-pub fn groups(mut circles: Vec<Circle>, size: f64, resolution: f64) -> Vec<Group> {
+pub fn groups(circles: Vec<Circle>, size: f64, resolution: f64) -> Vec<Group> {
     let tolerance = 1e-7 * size;
     let distance = |a: Point, b: Point| libm::hypot(a[0] - b[0], a[1] - b[1]);
+    let mut circles = with_slots(circles, tolerance);
     // their radius is in the text of the rectangle
     let round: Vec<(f64, Point)> = circles.iter().flat_map(Circle::round_corners).collect();
     circles.retain(|own| {
@@ -237,6 +287,26 @@ pub fn groups(mut circles: Vec<Circle>, size: f64, resolution: f64) -> Vec<Group
         Group { circles, text, ring }
     };
     groups.into_iter().map(group).collect()
+}
+
+/// The circles, with one slot in place of each pair of half circles that are its ends.
+fn with_slots(mut circles: Vec<Circle>, tolerance: f64) -> Vec<Circle> {
+    let mut k = 0;
+    while k < circles.len() {
+        let own = circles[k];
+        let distance =
+            |other: &Circle| libm::hypot(own.centre[0] - other.centre[0], own.centre[1] - other.centre[1]);
+        // in a row of slots, the nearest end
+        let pair = (k + 1..circles.len())
+            .filter_map(|other| Some((other, own.slot(&circles[other], tolerance)?)))
+            .min_by(|a, b| distance(&circles[a.0]).total_cmp(&distance(&circles[b.0])));
+        if let Some((other, slot)) = pair {
+            circles.remove(other);
+            circles[k] = slot;
+        }
+        k += 1;
+    }
+    circles
 }
 
 /// The circle on which at least three circles lie at equal angles.
@@ -268,6 +338,9 @@ fn text(circles: &[Circle], ring: Option<(Point, f64)>, resolution: f64) -> Stri
     text += &match first.shape {
         Shape::Round if !first.is_full => format!("R{}", number(first.radius)),
         Shape::Round => diameter,
+        Shape::Rectangle { size: [a, b], corner_radius, .. } if 2.0 * corner_radius > 0.999_999 * b => {
+            format!("slot {} \u{d7} {}", number(b), number(a))
+        }
         Shape::Rectangle { size: [a, b], .. } if number(a) == number(b) => format!("{square}{}", number(a)),
         Shape::Rectangle { size: [a, b], .. } => format!("{} \u{d7} {}", number(a), number(b)),
         Shape::Regular { sides, .. } => {
@@ -290,8 +363,9 @@ fn text(circles: &[Circle], ring: Option<(Point, f64)>, resolution: f64) -> Stri
             (None, None) => " through".to_owned(),
         };
     }
-    if let Shape::Rectangle { corner_radius, .. } = first.shape
+    if let Shape::Rectangle { corner_radius, size: [_, b], .. } = first.shape
         && corner_radius > 0.0
+        && 2.0 * corner_radius <= 0.999_999 * b
     {
         text += &format!(", R{}", number(corner_radius));
     }
@@ -306,7 +380,55 @@ mod tests {
     use super::*;
 
     fn circle(centre: Point, radius: f64, depth: Option<f64>) -> Circle {
-        Circle { shape: Shape::Round, centre, radius, is_hole: true, is_full: true, depth, width: None }
+        let (arc, is_through) = (None, depth.is_none());
+        Circle {
+            shape: Shape::Round,
+            centre,
+            radius,
+            is_hole: true,
+            is_full: true,
+            arc,
+            is_through,
+            depth,
+            width: None,
+        }
+    }
+
+    /// Arrows end on arcs: from outside, or from inside through the centre.
+    #[test]
+    fn arrows_end_on_arcs() {
+        let diagonal = 0.5f64.sqrt();
+        let fillet = Circle {
+            is_full: false,
+            arc: Some(([-diagonal, -diagonal], std::f64::consts::FRAC_PI_4)),
+            ..circle([18.0, 11.0], 3.0, None)
+        };
+        for (towards, tip) in [
+            ([diagonal, diagonal], [-diagonal, -diagonal]),
+            ([-diagonal, -diagonal], [-diagonal, -diagonal]),
+            ([1.0, 0.0], [-diagonal, -diagonal]),
+            ([0.8, 0.6], [-0.8, -0.6]),
+            ([-0.6, 0.8], [-diagonal, -diagonal]),
+        ] {
+            assert_eq!(fillet.tip(towards), tip, "{towards:?}");
+        }
+        assert_eq!(circle([0.0; 2], 3.0, None).tip([0.6, 0.8]), [0.6, 0.8]);
+    }
+
+    #[test]
+    fn half_circles_that_face_away_are_a_slot() {
+        let end = |x: f64, out: f64| Circle {
+            is_full: false,
+            arc: Some(([out, 0.0], std::f64::consts::FRAC_PI_2)),
+            ..circle([x, 5.0], 2.75, None)
+        };
+        // two slots in a row: the ends of one are nearer than those of neighbours
+        let row = [end(-25.0, -1.0), end(25.0, 1.0), end(-23.0, 1.0), end(23.0, -1.0)];
+        assert_eq!(texts(&row), ["2\u{d7} slot 5.5 \u{d7} 7.5 through"]);
+        let blind = row.map(|own| Circle { depth: Some(4.0), is_through: false, ..own });
+        assert_eq!(texts(&blind), ["2\u{d7} slot 5.5 \u{d7} 7.5 \u{d7} 4 deep"]);
+        // a waist, which narrows between both arcs
+        assert_eq!(texts(&[end(-2.0, 1.0), end(2.0, -1.0)]), ["2\u{d7} R2.75"]);
     }
 
     fn texts(circles: &[Circle]) -> Vec<String> {

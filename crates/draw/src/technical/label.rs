@@ -43,14 +43,15 @@ pub fn draw(svg: &mut Svg, panel: &Panel, groups: &[Group], x: f64) {
         let end = [x - 12.0, y - 4.0];
         let way = [end[0] - centre[0], end[1] - centre[1]];
         let length = libm::hypot(way[0], way[1]).max(1e-9);
-        let towards = way.map(|part| part / length);
         // the vertical axis of the drawing points down
-        let reach = circle.reach([towards[0], -towards[1]]);
-        let tip = [0, 1].map(|k| centre[k] + panel.scale() * reach * towards[k]);
-        // an arc may lie on the other side of its centre
+        let towards = circle.tip([way[0] / length, -way[1] / length]);
+        let reach = panel.scale() * circle.reach(towards);
+        let tip = [centre[0] + reach * towards[0], centre[1] - reach * towards[1]];
+        let way = [tip[0] - end[0], tip[1] - end[1]];
+        let length = libm::hypot(way[0], way[1]).max(1e-9);
         let path = format!("M{:.2} {:.2}L{:.2} {:.2}H{:.2}", tip[0], tip[1], end[0], end[1], x - BESIDE);
         svg.path("leader", path, "");
-        svg.path("arrow", arrow(tip, towards.map(|part| -part)), "");
+        svg.path("arrow", arrow(tip, way.map(|part| part / length)), "");
         svg.text("value", [x, y], Anchor::Start, text, text);
     }
     if let Some(more) = more {

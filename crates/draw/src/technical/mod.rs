@@ -3,8 +3,8 @@
 //! The views are those of ISO 5456-2, in first-angle or third-angle projection. Lines are of the types of ISO 128-2: wide for visible
 //! edges, dashed for hidden holes, chain lines for the axes of cylinders and for circles of holes. Each view has the overall
 //! sizes, the distances between flat faces at steps, the diameters of the cylinders that it shows as circles (`4× ⌀6.6 through`,
-//! `8× ⌀9 × 12 deep on ⌀95`, `R5`), and the sizes of polygonal holes: `hexagon 10 across flats × 5 deep`, `20 × 8 through`,
-//! `20 × 8 × 5 deep, R3` with round corners.
+//! `8× ⌀9 × 12 deep on ⌀95`, `R5`), and the sizes of slots and polygonal holes: `slot 5.5 × 7.5 through`,
+//! `hexagon 10 across flats × 5 deep`, `20 × 8 through`, `20 × 8 × 5 deep, R3` with round corners.
 
 mod circle;
 mod label;
@@ -123,6 +123,7 @@ pub fn technical_drawing<E: Evaluator>(
     if found.left_out > 0 {
         notes.push(format!("{} of the cylinders have no diameters: the model has too many.", found.left_out));
     }
+    notes.extend(oblique_notes(&sheet));
     notes.extend(axial_notes(&axial));
     if !extent.is_exact {
         notes.push(
@@ -133,6 +134,30 @@ pub fn technical_drawing<E: Evaluator>(
     }
     Ok(TechnicalDrawing { svg, notes })
 }
+
+/// A note on holes and shafts that no view shows as circles.
+fn oblique_notes(sheet: &Sheet<'_>) -> Option<String> {
+    let number = |length: f64| crate::axis::format_number(length, sheet.resolution());
+    let is_oblique =
+        |face: &&CylindricalFace| face.share > 0.5 && face.axis().abs().max_element() <= 1.0 - 1e-9;
+    let mut texts: Vec<String> = Vec::new();
+    for face in sheet.faces.iter().filter(is_oblique) {
+        let place = (0.5 * (face.ends[0] + face.ends[1])).to_array().map(number).join(", ");
+        let through = if face.is_through { " through" } else { "" };
+        texts.push(format!("\u{2300}{}{through} at ({place})", number(2.0 * face.radius)));
+    }
+    let more = match texts.len().saturating_sub(MAX_NOTED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    texts.truncate(MAX_NOTED);
+    let list = texts.join(", ");
+    (!texts.is_empty())
+        .then(|| format!("not shown: the diameters of cylinders at an angle to the views, {list}{more}."))
+}
+
+/// The greatest number of cylinders in a note.
+const MAX_NOTED: usize = 5;
 
 /// Notes on polygons and steps without dimensions.
 fn axial_notes(axial: &AxialFeatures) -> Vec<String> {

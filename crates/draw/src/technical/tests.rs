@@ -164,6 +164,58 @@ fn labels_are_those_of_the_part_around_a_hole() {
     assert!(has(&svg, "\u{2300}13.5 through") && has(&svg, "\u{2300}24 \u{d7} 5 deep"), "{svg}");
 }
 
+/// A foot with a wall whose corners have fillets: the centre of a fillet is outside of the part.
+#[test]
+fn arrows_end_on_edges() {
+    let text = "rayweave = 1\n[solid.part.extrude]\noutline = [[-30, 0], [30, 0], [30, 8], { at = [15, 8], fillet = 3 }, [15, 30], \
+        [-15, 30], { at = [-15, 8], fillet = 3 }, [-30, 8]]\nz = [-10, 10]\n\
+        [solid.upright]\nexpr = \"part\"\ntransform = { rotate_x = 90 }\n[[region]]\nsolid = \"upright\"";
+    let svg = drawing(text, &TechnicalOptions::default()).unwrap().svg;
+    assert!(has(&svg, "2\u{d7} R3"), "{svg}");
+    let paths = |class: &str| -> Vec<Vec<[f64; 2]>> {
+        let start = format!("class=\"{class}\"");
+        // not the symbol of the projection, which has circles and a closed path
+        let paths = svg.lines().filter(|line| line.contains(&start)).filter_map(|line| {
+            let (_, path) = line.split_once(" d=\"")?;
+            path.split('"').next().filter(|path| !path.ends_with('Z'))
+        });
+        let point = |text: &str| {
+            let mut numbers = text.split([' ', ',', 'H']).filter_map(|number| number.parse().ok());
+            Some([numbers.next()?, numbers.next()?])
+        };
+        paths.map(|path| path.split(['M', 'L']).filter_map(point).collect()).collect()
+    };
+    let edges = paths("edge");
+    for leader in paths("leader") {
+        let tip = leader[0];
+        let distance = |pair: &[[f64; 2]]| {
+            let along = [0, 1].map(|k| pair[1][k] - pair[0][k]);
+            let from = [0, 1].map(|k| tip[k] - pair[0][k]);
+            let part =
+                (from[0] * along[0] + from[1] * along[1]) / (along[0] * along[0] + along[1] * along[1]);
+            let part = part.clamp(0.0, 1.0);
+            libm::hypot(from[0] - part * along[0], from[1] - part * along[1])
+        };
+        let nearest =
+            edges.iter().flat_map(|line| line.windows(2)).map(distance).fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1.0, "{tip:?} is {nearest} from an edge: {svg}");
+    }
+}
+
+/// A plate with two slots from its outline, and an oblique hole.
+#[test]
+fn slots_have_sizes_and_oblique_holes_a_note() {
+    let text = "rayweave = 1\n[solid.plate.extrude]\noutline = [[[-30, -10], [30, -10], [30, 10], [-30, 10]], \
+        [[19, -2.75], { at = [21, -2.75], bulge = 1 }, [21, 2.75], { at = [19, 2.75], bulge = 1 }], \
+        [[-21, -2.75], { at = [-19, -2.75], bulge = 1 }, [-19, 2.75], { at = [-21, 2.75], bulge = 1 }]]\nheight = 8\n\
+        [solid.hole]\ncylinder = { radius = 1.5, height = 40 }\ntransform = { rotate_y = 30 }\n\
+        [solid.part]\nexpr = \"plate - hole\"\n[[region]]\nsolid = \"part\"";
+    let found = drawing(text, &TechnicalOptions::default()).unwrap();
+    assert!(has(&found.svg, "2\u{d7} slot 5.5 \u{d7} 7.5 through"), "{}", found.svg);
+    let note = "not shown: the diameters of cylinders at an angle to the views, \u{2300}3 through at (";
+    assert!(found.notes.iter().any(|own| own.starts_with(note)), "{:?}", found.notes);
+}
+
 /// The view at a slant looks along the diagonal of a cube: along the axes x, y and z in equal parts.
 #[test]
 fn the_view_at_a_slant_is_isometric() {
