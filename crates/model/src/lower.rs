@@ -140,6 +140,9 @@ struct Context<'a> {
     named: u32,
     /// True if only maps and complements lie between that name and this position.
     direct: bool,
+    /// The context of the name of the solid around this position that was made as a whole, such as an extruded outline; 0 if there is
+    /// none. The names of its faces begin with it.
+    whole: u32,
     /// The number of the composed map, which a name shares with the context around it.
     map: u32,
 }
@@ -195,7 +198,8 @@ struct Lowering<'p, 'a> {
 
 impl<'p, 'a> Lowering<'p, 'a> {
     fn new(prototypes: &'p mut Prototypes<'a>, is_placed: bool) -> Self {
-        let root = Context { parent: 0, name: None, copy: None, step: 0, named: 0, direct: false, map: 0 };
+        let root =
+            Context { parent: 0, name: None, copy: None, step: 0, named: 0, direct: false, whole: 0, map: 0 };
         Lowering {
             prototypes,
             formula: Formula::default(),
@@ -250,6 +254,9 @@ impl<'p, 'a> Lowering<'p, 'a> {
                 return Ok(());
             }
             self.tasks.push(Task::Record(visit));
+        }
+        if solid.boundary().is_some() {
+            self.enter_whole(context);
         }
         match solid.node() {
             Node::Empty => self.operand(Edge::EMPTY, complemented),
@@ -384,8 +391,8 @@ impl<'p, 'a> Lowering<'p, 'a> {
         }
         map.inverse()
             .map_err(|e| CompileError { path: self.path(visit.context, "transform"), problem: e.into() })?;
-        let Context { map: outer, step, named, direct, .. } = self.contexts[visit.context as usize];
-        let next = Context { parent: visit.context, name: None, copy, step, named, direct, map: 0 };
+        let Context { map: outer, step, named, direct, whole, .. } = self.contexts[visit.context as usize];
+        let next = Context { parent: visit.context, name: None, copy, step, named, direct, whole, map: 0 };
         Ok(self.enter_moved(next, self.composed(map, outer)))
     }
 
@@ -396,10 +403,10 @@ impl<'p, 'a> Lowering<'p, 'a> {
     }
 
     fn named(&mut self, visit: &Visit<'a>, name: &'a Arc<str>) -> u32 {
-        let Context { map, step, .. } = self.contexts[visit.context as usize];
+        let Context { map, step, whole, .. } = self.contexts[visit.context as usize];
         let named = self.contexts.len() as u32;
         let name = Some(name);
-        let next = Context { parent: visit.context, name, copy: None, step, named, direct: true, map };
+        let next = Context { parent: visit.context, name, copy: None, step, named, direct: true, whole, map };
         let composed = self.composed(&Affine::IDENTITY, map);
         let bits = |map: &Affine| map.to_rows().map(|row| row.map(f64::to_bits));
         // the product with the identity may turn -0 into 0
@@ -432,12 +439,26 @@ impl<'p, 'a> Lowering<'p, 'a> {
         self.contexts[named as usize].name.filter(|_| direct).cloned()
     }
 
-    /// The name given to a leaf, or its kind after the name of the enclosing compound.
+    /// Marks a position as a solid that was made as a whole, whose parts have names of their own: the name of the solid precedes them.
+    /// A direct name has no other operands than this solid.
+    fn enter_whole(&mut self, context: u32) {
+        let context = &mut self.contexts[context as usize];
+        if context.direct {
+            context.whole = context.named;
+        }
+    }
+
+    /// The name given to a leaf, or its kind after the name of the enclosing compound; both after the name of the whole that the leaf
+    /// is a part of.
     fn leaf_name(&mut self, context: u32, kind: &'static str) -> Arc<str> {
-        let Context { named, direct, .. } = self.contexts[context as usize];
-        match self.contexts[named as usize].name {
+        let Context { named, direct, whole, .. } = self.contexts[context as usize];
+        let own = match self.contexts[named as usize].name {
             Some(name) if direct => name.clone(),
             name => self.leaf_names.of(name, kind),
+        };
+        match self.contexts[whole as usize].name.filter(|_| whole != named) {
+            Some(name) => format!("{name}.{own}").into(),
+            None => own,
         }
     }
 
@@ -480,7 +501,9 @@ fn trail(contexts: &[Context<'_>], parts: &[Part<'_>], own: u32) -> Trail {
             Content::Shape(primitive) => {
                 let (step, naming, name) = match part.is_named {
                     true if step == own => (step, Naming::Node, ""),
-                    true => (outer, Naming::Name, &*part.name),
+                    true => {
+                        (outer, Naming::Name, contexts[step as usize].name.map_or(&*part.name, |name| name))
+                    }
                     false => (step, Naming::Kind, primitive.name()),
                 };
                 let node = steps.node(step);

@@ -81,7 +81,7 @@ impl Solid {
 
     /// The same solid, with a description of its boundary for programs that need facets. It must describe the set of points of
     /// this solid; only these programs and checks of operators use it, and equality of
-    /// solids ignores it.
+    /// solids ignores it. A name of the solid precedes the names of its parts in those of faces: `plate.contour0.edge3.plane`.
     pub fn with_boundary(&self, boundary: Arc<dyn Boundary>) -> Solid {
         Solid(Arc::new(Inner { node: self.node().clone(), boundary: Some(boundary) }))
     }

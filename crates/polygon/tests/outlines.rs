@@ -281,6 +281,32 @@ fn plates_with_many_holes_contain_the_points_of_their_outlines() {
     agrees(&ring, [34.0, 34.0, 14.0], 32, |[x, y, z]| depth([libm::hypot(x, y) - 20.0, z]));
 }
 
+/// The name of a solid precedes the names of its faces, also under maps, beside other solids, and with a second name around it.
+#[test]
+fn faces_have_the_name_of_their_solid() {
+    let outline =
+        Outline::new(&[rounded(&[[2.0, 0.0], [6.0, 0.0], [6.0, 4.0], [2.0, 4.0]], Corner::Sharp)]).unwrap();
+    let plate = outline.extrude(0.0, 2.0, [Rim::default(); 2]).unwrap().named("plate");
+    let ring = outline.revolve(0.0, 360.0).unwrap().named("ring");
+    let moved = plate.translate([10.0, 0.0, 0.0]).named("copy");
+    let faces = |solid: &Solid| Program::compile(solid).unwrap().face_names().collect::<Vec<String>>();
+    let begin = |solid: &Solid, names: &[&str]| {
+        let all = faces(solid);
+        let is_named = |own: &String| names.iter().any(|name| own.starts_with(&format!("{name}.")));
+        assert!(!all.is_empty() && all.iter().all(is_named), "{all:?}");
+        all
+    };
+    let all = begin(&plate, &["plate"]);
+    assert!(all.contains(&"plate.contour0.edge3.plane".to_owned()), "{all:?}");
+    assert!(all.contains(&"plate.ends.z+".to_owned()), "{all:?}");
+    begin(&ring, &["ring"]);
+    begin(&(&plate | &ring), &["plate", "ring"]);
+    begin(&(&plate - &moved).named("part"), &["plate"]);
+    begin(&Solid::union([!&plate, ring.translate([0.0, 0.0, 9.0])]), &["plate", "ring"]);
+    let unnamed = outline.extrude(0.0, 2.0, [Rim::default(); 2]).unwrap();
+    assert!(faces(&(unnamed & ring).named("part")).contains(&"contour0.edge3.plane".to_owned()));
+}
+
 /// A turned part of a profile with thousands of edges.
 #[test]
 fn revolved_profiles_of_many_edges() {
