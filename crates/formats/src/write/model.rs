@@ -1,5 +1,6 @@
 //! The scene prepared for writers: a finite bounding box, and the regions to subtract from each region.
 
+use super::facets;
 use super::remark::Remarks;
 use super::{RemarkKind, WriteError, WriteOptions};
 use crate::Format;
@@ -87,7 +88,9 @@ impl<'s> Model<'s> {
 
     /// The remark on a shape that becomes triangles.
     pub fn triangles_remark(&self, shape: &Primitive, region: usize) -> String {
-        let (name, region) = (shape.name(), &self.scene.regions[region].name);
+        // cones of chamfers, countersinks and slanted edges of outlines
+        let name = if facets::is_cone(shape) { "cone" } else { shape.name() };
+        let region = &self.scene.regions[region].name;
         format!(
             "`{name}` in region `{region}`, with triangles within {:.3e} {}",
             self.tolerance, self.scene.unit

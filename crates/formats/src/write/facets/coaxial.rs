@@ -275,6 +275,11 @@ fn local(
     Ok(Some((contours, false, true)))
 }
 
+/// True for a quadric that is a cone about the z axis of its frame.
+pub(in crate::write) fn is_cone(shape: &Primitive) -> bool {
+    cone(shape).is_some_and(|[slope, _]| slope > 0.0)
+}
+
 /// Slope and radius of the double cone `r^2 < (slope z + radius)^2`, or of a cylinder, that a quadric about the z axis is.
 fn cone(shape: &Primitive) -> Option<[f64; 2]> {
     let Primitive::Quadric(_) = shape else { return None };

@@ -12,7 +12,7 @@ mod quadric;
 mod revolved;
 mod sag;
 
-pub(super) use coaxial::{Frame, Turned};
+pub(super) use coaxial::{Frame, Turned, is_cone};
 pub(super) use polytope::planes_of;
 
 use crate::kernel::Body;
