@@ -20,7 +20,8 @@ const COLOURS: [(&str, Colour); 3] = [
 
 /// The cross-section of the pair with the thickest difference, or of the first pair if all are the same. The
 /// parts are the intersection and the space that belongs to one model only. If no plane is given, the plane is
-/// the one across x, y or z through the thickest difference that has the largest area of differences.
+/// the one across x, y or z through the thickest difference that has the longest outlines of differences. A plane along a thin layer
+/// has the largest area, but shows its thickness too large.
 ///
 /// # Errors
 ///
@@ -69,5 +70,5 @@ fn most_different<E: Evaluator>(cutter: &Cutter<'_, E>, at: Vec3) -> Result<Cros
 }
 
 fn difference(section: &CrossSection) -> f64 {
-    COLOURS[1..].iter().filter_map(|(name, _)| section.part(name)).map(|part| part.area).sum()
+    COLOURS[1..].iter().filter_map(|(name, _)| section.part(name)).map(|part| part.perimeter).sum()
 }

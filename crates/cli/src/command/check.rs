@@ -108,7 +108,7 @@ pub struct Check {
     #[arg(long, value_name = "FILE", conflicts_with = "range")]
     searches: Option<PathBuf>,
 
-    /// Maximum number of findings of each kind to print
+    /// Maximum number of findings of each kind to print; walls and gaps of one size are one finding for each pair of faces
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = crate::arguments::any_count::<usize>)]
     lines: usize,
 
@@ -247,19 +247,29 @@ impl Check {
         let mut text = format!("{model}: {found}; lengths in {unit}\n{}", scope(report, self.cells));
         for (kind, name) in FindingKind::ALL {
             let mut printed = 0;
-            for (number, (finding, count)) in grouped(report.of(kind)).into_iter().enumerate() {
-                if number == self.lines {
+            for group in grouped(report.of(kind)) {
+                if printed >= self.lines {
                     text += &format!("\n{name}: {} more (see --lines)\n", of(kind) - printed);
                     break;
                 }
-                printed += count;
-                let times =
-                    if count > 1 { format!(" ({count} times, for example here)") } else { String::new() };
-                text += &format!("\n{name}: {}{times}\n", finding.text);
-                let facts = facts(finding, unit);
-                if !facts.is_empty() {
-                    text += &format!("  {facts}\n");
-                }
+                // walls and gaps of one size are different places to be changed
+                let shown = match kind {
+                    FindingKind::Thin | FindingKind::Gap => group.len().min(self.lines - printed),
+                    _ => 1,
+                };
+                let times = match group.len() {
+                    1 => String::new(),
+                    count if count == shown => format!(" ({count} times)"),
+                    count if shown == 1 => format!(" ({count} times, for example here)"),
+                    count => format!(" ({count} times, of which {shown} are shown: see --lines)"),
+                };
+                text += &format!("\n{name}: {}{times}\n", group[0].text);
+                let facts = group[..shown].iter().map(|finding| facts(finding, unit));
+                text += &facts
+                    .filter(|facts| !facts.is_empty())
+                    .map(|facts| format!("  {facts}\n"))
+                    .collect::<String>();
+                printed += if shown == 1 { group.len() } else { shown };
             }
         }
         text
@@ -298,17 +308,17 @@ impl Check {
     }
 }
 
-/// Findings with the same text and the same size to six digits, such as the walls beside equal holes, as one with their number. Those
-/// without a size stay apart.
-fn grouped<'a>(findings: impl Iterator<Item = &'a Finding>) -> Vec<(&'a Finding, usize)> {
-    let mut groups: Vec<(&Finding, usize)> = Vec::new();
+/// Findings with the same text and the same size to six digits, such as the walls beside equal holes, in one group. Those without a
+/// size stay apart.
+fn grouped<'a>(findings: impl Iterator<Item = &'a Finding>) -> Vec<Vec<&'a Finding>> {
+    let mut groups: Vec<Vec<&Finding>> = Vec::new();
     let size = |finding: &Finding| finding.size.map(|size| terminal::rounded(size, 6));
     for finding in findings {
         let is_like =
-            |known: &&mut (&Finding, usize)| known.0.text == finding.text && size(known.0) == size(finding);
+            |known: &&mut Vec<&Finding>| known[0].text == finding.text && size(known[0]) == size(finding);
         match groups.iter_mut().find(is_like).filter(|_| finding.size.is_some()) {
-            Some((_, count)) => *count += 1,
-            None => groups.push((finding, 1)),
+            Some(group) => group.push(finding),
+            None => groups.push(vec![finding]),
         }
     }
     groups

@@ -89,7 +89,7 @@ pub struct Diff {
     #[arg(short, long, value_name = "OUT")]
     out: Option<PathBuf>,
 
-    /// Plane of the picture, such as z=0.5 [default: the plane across x, y or z through the thickest difference that shows the largest area of differences]
+    /// Plane of the picture, such as z=0.5 [default: the plane across x, y or z through the thickest difference that shows the longest outlines of differences]
     #[arg(long, value_name = "PLANE", value_parser = super::section::plane, requires = "out")]
     plane: Option<SectionPlane>,
 
@@ -194,12 +194,18 @@ impl Diff {
         settings: &DiffSettings,
     ) -> Result<(), Failure> {
         let section = diff_section(a, b, report, AnyEvaluator::maker(None), settings, self.plane)?;
-        let title = format!("A {}, B {}", self.model.name(), self.other.display());
+        let title = format!("A {}, B {}", self.first(), self.other.display());
         drawing::save(path, &section_svg(&[section], &title, report.unit.symbol()), &title)
     }
 
+    /// The name of the first model, with the parameters that -D sets.
+    fn first(&self) -> String {
+        let defined = self.model.definitions.iter().map(|(name, value)| format!(" -D {name}={value}"));
+        self.model.name() + &defined.collect::<String>()
+    }
+
     fn as_text(&self, report: &DiffReport) -> String {
-        let (a, b, unit) = (self.model.name(), self.other.display(), report.unit.symbol());
+        let (a, b, unit) = (self.first(), self.other.display(), report.unit.symbol());
         let distance = terminal::short3(report.distance);
         let verdict = match report.is_same() {
             true => format!("the same solid: no difference thicker than {distance} {unit}"),
@@ -212,10 +218,8 @@ impl Diff {
             let verdict = verdict_of(pair);
             let thickness = pair.spot.map_or_else(String::new, |spot| terminal::short3(spot.thickness));
             // no ray found a difference: the interval around 0 states the density of the rays only
-            let difference = |own: &measure::Estimate| match pair.is_same && own.value == 0.0 {
-                true => "0".to_owned(),
-                false => volume(own),
-            };
+            let difference =
+                |own: &measure::Estimate| if own.value == 0.0 { "0".to_owned() } else { volume(own) };
             let volumes = [volume(&pair.both), difference(&pair.a_only), difference(&pair.b_only)];
             [vec![pair.name.clone(), verdict.to_owned()], volumes.into(), vec![thickness]].concat()
         });

@@ -75,6 +75,10 @@ pub struct Section {
     #[arg(long)]
     hatch: bool,
 
+    /// Leave this region without hatching, such as a shaft or a bolt that is cut lengthwise. May be repeated
+    #[arg(long, value_name = "NAME", requires = "hatch")]
+    no_hatch: Vec<String>,
+
     /// Add the overall width and height, rounded by the tolerance, to the picture of a single plane (ISO 129-1)
     #[arg(long, conflicts_with = "from")]
     dimensions: bool,
@@ -120,6 +124,7 @@ impl Section {
         self.out.iter().try_for_each(|path| check(path))?;
         let planes = self.planes()?;
         let scene = self.model.load()?;
+        self.check_unhatched(&scene)?;
         let by = if self.is_by_region() { By::Region } else { By::Medium };
         let run = SectionRun { threads: global.threads, cancel: interrupt::token() };
         let (tolerance, columns, within) = (self.tolerance, self.columns, self.within.bounds());
@@ -143,6 +148,19 @@ impl Section {
                 terminal::print(&self.as_text(&scene, &found))?;
                 self.out.iter().try_for_each(|path| terminal::wrote(path, global.quiet))
             }
+        }
+    }
+
+    /// Rejects names of --no-hatch that no region has.
+    fn check_unhatched(&self, scene: &Scene) -> Result<(), Failure> {
+        let names: Vec<&str> = scene.regions.iter().map(|region| region.name.as_str()).collect();
+        match self.no_hatch.iter().find(|name| !names.contains(&name.as_str())) {
+            Some(name) => Err(Failure::Usage(format!(
+                "--no-hatch {name} is no region of {}: its regions are {}.",
+                self.model.name(),
+                names.join(", ")
+            ))),
+            None => Ok(()),
         }
     }
 
@@ -226,7 +244,11 @@ impl Section {
         match is_dxf(path) {
             true => terminal::save(path, section_dxf(found, unit).as_bytes()),
             false => {
-                let style = SectionStyle { hatch: self.hatch, dimensions: self.dimensions };
+                let style = SectionStyle {
+                    hatch: self.hatch,
+                    unhatched: &self.no_hatch,
+                    dimensions: self.dimensions,
+                };
                 let name = self.model.name();
                 let svg = match found {
                     [only] => section_view(only, edges, &name, unit, style),

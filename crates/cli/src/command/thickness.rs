@@ -12,7 +12,7 @@ use rayweave::render::{PixelGrid, RenderOptions, Size, View, png};
 use rayweave::scene::Scene;
 use rayweave::table::{Part, TableWriter};
 use rayweave::thickness::{FAINTEST, ThicknessMap, ThicknessRun, check_attenuations};
-use rayweave::{AnyEvaluator, Compiled};
+use rayweave::{AnyEvaluator, Compiled, Ray, Vec3};
 use std::path::{Path, PathBuf};
 
 /// Measure path lengths through each medium: a radiograph, or a table
@@ -102,7 +102,9 @@ impl Thickness {
             true => self.draw(&scene, &map, size)?,
             false => {
                 map.write_part(&self.out, scene.unit.symbol(), part.as_ref())?;
-                format!("path lengths of {} rays", map.path_lengths().len())
+                let count = map.path_lengths().len();
+                let grid = parallel_rays(size, ray);
+                format!("path lengths of {count} rays{}", grid.unwrap_or_default())
             }
         };
         match global.quiet || self.out == Path::new("-") {
@@ -170,6 +172,19 @@ impl Thickness {
             "{white}, the darkest pixel {percent} %: no medium has an attenuation, so it is taken as {by}."
         ))
     }
+}
+
+/// The places of parallel rays in space, in words; `None` in perspective.
+fn parallel_rays(size: Size, ray: impl Fn(usize, usize) -> Ray) -> Option<String> {
+    let (first, last) = (ray(0, 0), ray(size.width() - 1, size.height() - 1));
+    let (next, below) = (ray(size.width().min(2) - 1, 0), ray(0, size.height().min(2) - 1));
+    let point = |p: Vec3| terminal::short_point(p.to_array().map(|x| terminal::rounded(x, 6)));
+    (first.direction == last.direction).then(|| {
+        let (start, direction) = (first.origin, point(first.direction));
+        let (x, y) = (point(next.origin - start), point(below.origin - start));
+        let start = point(start);
+        format!(" along {direction}: the ray of column x and row y starts at {start} + x {x} + y {y}")
+    })
 }
 
 /// The transmission below which a pixel looks black.

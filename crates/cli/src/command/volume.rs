@@ -9,8 +9,8 @@ use crate::{interrupt, interval};
 use clap::Args;
 use rayweave::AnyEvaluator;
 use rayweave::measure::{
-    Estimate, MeasureProgress, MeasureSettings, MeasureShare, RegionReport, SceneReport, cell_count,
-    measure_scene_with_progress, report_shares, share_of_scene,
+    Estimate, MeasureProgress, MeasureSettings, MeasureShare, Measured, RegionReport, SceneReport,
+    cell_count, measure_scene_with_progress, report_shares, share_of_scene,
 };
 use rayweave::scene::Scene;
 use rayweave::table::{Part, TableWriter};
@@ -60,6 +60,14 @@ pub struct Volume {
 
 /// The most rays of --total: sums of 2^35 cells, of two rays each, are exact.
 const MAX_TOTAL: u64 = 1 << 36;
+
+/// An estimate of the rays that reach a precision, one digit, rounded up: half-widths decrease as the power -3/4 of the number of rays.
+fn needed_rays(measured: &Measured, precision: f64) -> f64 {
+    let reached = measured.volume.half_width / measured.volume.value;
+    let rays = measured.rays as f64 * libm::pow(reached / precision, 4.0 / 3.0);
+    let digit = libm::pow(10.0, libm::floor(libm::log10(rays)));
+    libm::ceil(rays / digit) * digit
+}
 
 impl Volume {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
@@ -111,6 +119,8 @@ impl Volume {
             .filter(|region| !region.measured.is_reached)
             .partition(|region| region.measured.longest.is_none());
         let traced = imprecise.iter().map(|region| region.measured.rays).max().unwrap_or(0);
+        let needed = imprecise.iter().map(|region| needed_rays(&region.measured, settings.precision));
+        let needed = terminal::short(needed.fold(0.0, f64::max));
         let [missed, imprecise] =
             [missed, imprecise].map(|some| some.into_iter().map(name).collect::<Vec<_>>());
         if !missed.is_empty() {
@@ -123,9 +133,11 @@ impl Volume {
             let (names, most) = (listed(&imprecise), self.total.unwrap_or(traced));
             let is_lower = self.total.is_none() && report.most_rays < settings.most_rays;
             let reason = match (is_lower, self.total) {
-                (true, _) => "; the limit is low because many shapes overlap. --rays sets another.",
-                (false, Some(_)) => ". See --total.",
-                (false, None) => ". See --rays.",
+                (true, _) => {
+                    format!("; the limit is low because many shapes overlap. About --rays {needed} reach it.")
+                }
+                (false, Some(_)) => format!(". About --total {needed} reach it."),
+                (false, None) => format!(". About --rays {needed} reach it."),
             };
             terminal::note(&format!(
                 "note: {names}: the requested precision is not reached after {most} rays{reason}"

@@ -209,14 +209,18 @@ fn loose_pieces_and_cavities() {
     );
 }
 
-/// Six equal holes leave six equal walls to the rim: one line with their number.
+/// Six equal holes leave six equal walls to the rim: one finding with their number, and a line for each place.
 #[test]
-fn equal_findings_are_one_line() {
+fn equal_findings_are_one_with_all_places() {
     let bench = Bench::new();
     let plate = "rayweave = 1\n[solid.disc]\ncylinder = { radius = 20, height = 10 }\n[solid.hole]\ncylinder = { radius = 2 }\n\
         [solid.holes]\nplace = { solid = \"hole\", ring = 6, radius = 17 }\n[solid.part]\nexpr = \"disc - holes\"\n[[region]]\nsolid = \"part\"\n";
     bench.write("plate.toml", plate);
     let said = bench.says(&["check", "plate.toml", "--wall", "1.5"]);
-    assert!(said.contains("thin 6;") && said.contains(" (6 times, for example here)"), "{said}");
+    assert!(said.contains("thin 6;") && said.contains(" (6 times)\n"), "{said}");
     assert_eq!(said.matches("\nthin: ").count(), 1, "{said}");
+    assert_eq!(said.matches("\n  1 mm thick, between ").count(), 6, "{said}");
+    let said = bench.says(&["check", "plate.toml", "--wall", "1.5", "--lines", "4"]);
+    assert!(said.contains(" (6 times, of which 4 are shown: see --lines)\n"), "{said}");
+    assert_eq!(said.matches("\n  1 mm thick, between ").count(), 4, "{said}");
 }

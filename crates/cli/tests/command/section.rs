@@ -149,6 +149,30 @@ fn edges_behind_the_plane_are_drawn() {
     assert!(svg.contains(">18</text>") && svg.contains(">8</text>"), "{svg}");
 }
 
+/// A shaft in a hub: the shaft is not hatched in a section along it.
+#[test]
+fn named_regions_stay_without_hatching() {
+    let bench = Bench::new();
+    bench.write(
+        "hub.toml",
+        "rayweave = 1\n[solid.hub]\ncylinder = { radius = 10, height = 8 }\n[solid.shaft]\ncylinder = { radius = 3, height = 30 }\n\
+         [[region]]\nsolid = \"hub\"\n[[region]]\nsolid = \"shaft\"",
+    );
+    let hatched = |more: &[&str]| {
+        let all = ["section", "hub.toml", "--plane", "xz", "--hatch", "-o", "hub.svg"];
+        bench.says(&[&all[..], more].concat());
+        bench.read("hub.svg").matches("class=\"hatch\"").count()
+    };
+    assert_eq!(hatched(&[]), 2);
+    assert_eq!(hatched(&["--no-hatch", "shaft"]), 1);
+    let wrong = ["section", "hub.toml", "--plane", "xz", "--hatch", "--no-hatch", "axle", "-o", "hub.svg"];
+    assert!(
+        bench
+            .fails(2, &wrong)
+            .contains("--no-hatch axle is no region of hub.toml: its regions are hub, shaft.")
+    );
+}
+
 #[test]
 fn planes_in_faces_are_noted() {
     let bench = Bench::new();
@@ -168,4 +192,16 @@ fn planes_in_faces_are_noted() {
         "{above}"
     );
     assert_eq!(bench.run(&["section", "cube.toml", "--plane", "z=0"]).err, "");
+    // the chord of an arc is a plane of the shape, but no face
+    bench.write(
+        "slot.toml",
+        "rayweave = 1\n[solid.slot.extrude]\n\
+         outline = [[-1, -2], { at = [1, -2], bulge = 1 }, [1, 2], { at = [-1, 2], bulge = 1 }]\nheight = 5",
+    );
+    for plane in ["y=0", "x=1", "x=-1", "y=2.5"] {
+        assert_eq!(bench.run(&["section", "slot.toml", "--plane", plane]).err, "", "{plane}");
+    }
+    for plane in ["y=-2", "y=2", "z=0"] {
+        assert!(bench.run(&["section", "slot.toml", "--plane", plane]).err.starts_with("note: "), "{plane}");
+    }
 }

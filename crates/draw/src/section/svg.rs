@@ -39,9 +39,11 @@ const STYLE: &str = "\
 
 /// Additional contents of a drawing of sections.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SectionStyle {
+pub struct SectionStyle<'a> {
     /// Hatched cut faces (ISO 128-50), each part in another direction or at another distance; the colours are pale.
     pub hatch: bool,
+    /// The names of parts that stay without hatching, as shafts, bolts and other parts that are not cut lengthwise in drawings.
+    pub unhatched: &'a [String],
     /// The overall width and height of a single section (ISO 129-1). Stacks have no dimensions.
     pub dimensions: bool,
 }
@@ -53,7 +55,12 @@ pub fn section_svg(sections: &[CrossSection], title: &str, unit: &str) -> String
 }
 
 /// Draws sections like [`section_svg`], with hatching or dimensions.
-pub fn section_drawing(sections: &[CrossSection], title: &str, unit: &str, style: SectionStyle) -> String {
+pub fn section_drawing(
+    sections: &[CrossSection],
+    title: &str,
+    unit: &str,
+    style: SectionStyle<'_>,
+) -> String {
     drawing(sections, title, unit, style, Extra::default())
 }
 
@@ -64,7 +71,7 @@ pub fn section_view(
     edges: &[Vec<[f64; 2]>],
     title: &str,
     unit: &str,
-    style: SectionStyle,
+    style: SectionStyle<'_>,
 ) -> String {
     drawing(std::slice::from_ref(section), title, unit, style, Extra { edges, thickness: None })
 }
@@ -95,7 +102,7 @@ fn drawing(
     sections: &[CrossSection],
     title: &str,
     unit: &str,
-    style: SectionStyle,
+    style: SectionStyle<'_>,
     Extra { thickness, edges }: Extra<'_>,
 ) -> String {
     let shown = chosen(sections);
@@ -214,7 +221,7 @@ impl Visible {
     }
 }
 
-fn draw(svg: &mut Svg, plan: &Plan, section: &CrossSection, visible: Visible, style: SectionStyle) {
+fn draw(svg: &mut Svg, plan: &Plan, section: &CrossSection, visible: Visible, style: SectionStyle<'_>) {
     let path = |part: &SectionPart| -> String {
         part.contours.iter().map(|contour| plan.path(contour, true)).collect()
     };
@@ -222,7 +229,8 @@ fn draw(svg: &mut Svg, plan: &Plan, section: &CrossSection, visible: Visible, st
     for part in visible.parts(section) {
         svg.path("cut", path(part), &format!(r#" fill="{}"{opacity}"#, paint(part.colour)));
     }
-    for (number, part) in visible.parts(section).enumerate().filter(|_| style.hatch) {
+    let is_hatched = |part: &SectionPart| style.hatch && !style.unhatched.contains(&part.name);
+    for (number, part) in visible.parts(section).enumerate().filter(|(_, part)| is_hatched(part)) {
         let place = |contour: &Vec<[f64; 2]>| contour.iter().map(|p| plan.position(*p)).collect();
         svg.path("hatch", hatch::path(&part.contours.iter().map(place).collect::<Vec<_>>(), number), "");
     }
