@@ -191,11 +191,52 @@ fn detail(numbers: &mut Numbers, material: &mut Material, child: &Element) -> Re
     Ok(())
 }
 
-/// `<property name=".." ref="matrix"/>`; some files use `value` in place of `ref`.
+/// The properties of Geant4 11.4 that depend on the energy; the others are constants.
+const BY_ENERGY: [&str; 20] = [
+    "RINDEX",
+    "GROUPVEL",
+    "ABSLENGTH",
+    "RAYLEIGH",
+    "MIEHG",
+    "WLSABSLENGTH",
+    "WLSABSLENGTH2",
+    "WLSCOMPONENT",
+    "WLSCOMPONENT2",
+    "SCINTILLATIONCOMPONENT1",
+    "SCINTILLATIONCOMPONENT2",
+    "SCINTILLATIONCOMPONENT3",
+    "REFLECTIVITY",
+    "TRANSMITTANCE",
+    "EFFICIENCY",
+    "REALRINDEX",
+    "IMAGINARYRINDEX",
+    "SPECULARLOBECONSTANT",
+    "SPECULARSPIKECONSTANT",
+    "BACKSCATTERCONSTANT",
+];
+
+/// The warning about a property with a `value` in place of a `ref`. Geant4 reads `ref` alone, and looks up the matrix of an empty
+/// name, which has no rows: the property is dropped without a message. A process that needs it then ends the run (mat202).
+fn without_reference(name: &str, value: &str) -> String {
+    // in a matrix, space separates values
+    let value: String = value.split_whitespace().collect();
+    let matrix = match BY_ENERGY.contains(&name) {
+        true => format!("coldim=\"2\" values=\"1*eV {value} 10*eV {value}\""),
+        false => format!("coldim=\"1\" values=\"{value}\""),
+    };
+    format!(
+        "the property `{name}` has a `value` and no `ref`: Rayweave uses the value, but Geant4 drops the property, and stops where a \
+         process needs it. Define `<matrix name=\"{name}_M\" {matrix}/>` and refer to it: `ref=\"{name}_M\"`."
+    )
+}
+
+/// `<property name=".." ref="matrix"/>`; some files use `value` in place of `ref`, with a warning.
 pub(super) fn property(numbers: &mut Numbers, child: &Element) -> Result<(String, Property), Failure> {
     let name = numbers.name(child)?;
     if let (None, Some(value)) = (child.attribute("ref"), child.attribute("value")) {
-        return Ok((name, Property::Number(numbers.value(value)?)));
+        let number = numbers.value(value)?;
+        numbers.context.warn(Trouble::new(without_reference(&name, child.text("value")), child.place));
+        return Ok((name, Property::Number(number)));
     }
     let (matrix, place) = numbers.reference(child, "ref")?;
     let is_known = numbers.names.matrix(&matrix).is_some() || numbers.names.is_set(&matrix);

@@ -51,6 +51,30 @@ fn extensions_of_the_schema_are_read() {
     assert!(parse("<html><body/></html>").unwrap_err().to_string().contains("not GDML"));
 }
 
+/// Geant4 11.4.1 drops such a property: its table of the material has neither the constant nor the index.
+#[test]
+fn properties_with_a_value_and_no_matrix_are_named() {
+    let with = |property: &str| {
+        let surface = format!(
+            "<opticalsurface name=\"o\" model=\"glisur\" finish=\"polished\" type=\"dielectric_metal\" value=\"1\">{property}</opticalsurface>"
+        );
+        read(&model("<matrix name=\"T\" coldim=\"1\" values=\"7*ns\"/>", &(SOLIDS.to_owned() + &surface), &world("", "")))
+    };
+    says(
+        &with("<property name=\"WLSTIMECONSTANT\" value=\"7 * ns\"/>"),
+        &[
+            "the property `WLSTIMECONSTANT` has a `value` and no `ref`",
+            "Geant4 drops the property",
+            "<matrix name=\"WLSTIMECONSTANT_M\" coldim=\"1\" values=\"7*ns\"/>",
+        ],
+    );
+    says(
+        &with("<property name=\"REFLECTIVITY\" value=\"0.9\"/>"),
+        &["<matrix name=\"REFLECTIVITY_M\" coldim=\"2\" values=\"1*eV 0.9 10*eV 0.9\"/>"],
+    );
+    assert!(with("<property name=\"WLSTIMECONSTANT\" ref=\"T\"/>").scene.warnings.is_empty());
+}
+
 #[test]
 fn surfaces_in_volumes_and_unknown_elements_are_ignored() {
     let surface = "<opticalsurface name=\"o\" model=\"glisur\" finish=\"polished\" type=\"dielectric_metal\" value=\"1\"/>";
