@@ -156,6 +156,9 @@ impl PropertyReader {
 /// The properties that state how many photons a particle emits; photons do not depend on them.
 const YIELDS: [&str; 2] = ["SCINTILLATIONYIELD", "RESOLUTIONSCALE"];
 
+/// The beginning of the names of the spectra of scintillation.
+const SPECTRUM: &str = "SCINTILLATIONCOMPONENT";
+
 const OF_YIELDS: &str = "SCINTILLATIONYIELD and RESOLUTIONSCALE have no effect: numbers of scintillation photons come from the source, \
                          -n or gensteps. The mean is SCINTILLATIONYIELD times the deposited energy.";
 
@@ -399,8 +402,11 @@ impl Properties<'_> {
 
     /// Notes the properties that nothing has read.
     pub fn finish(self) {
-        let Properties { reader, owner, rest, .. } = self;
-        for (name, _) in rest {
+        let Properties { reader, owner, rest, spans } = self;
+        let scintillates = spans.keys().any(|name| name.starts_with(SPECTRUM));
+        // they belong to a scintillator in Geant4, which stops without them: nothing is wrong with the file
+        let is_noted = |name: &str| !(scintillates && YIELDS.contains(&name));
+        for (name, _) in rest.into_iter().filter(|(name, _)| is_noted(name)) {
             let problem = format!("{owner}: the property `{name}` is ignored");
             let (reason, advice) = without_effect(&name);
             let note = Message::new(problem, reason);

@@ -70,7 +70,7 @@ impl Lint<'_> {
             }
             self.ranges(&owner, &properties);
             self.velocity(&owner, &properties);
-            self.resolution(&owner, &properties);
+            self.constants(&owner, &properties);
         }
     }
 
@@ -155,15 +155,50 @@ impl Lint<'_> {
         }
     }
 
-    /// A scintillator without `RESOLUTIONSCALE`, with which Geant4 11 stops: G4Scintillation reads it by `GetConstProperty`, where a
-    /// missing property is a fatal exception (mat202).
-    fn resolution(&mut self, owner: &Owner, properties: &[(&str, &Datum)]) {
+    /// Materials without a constant with whose lack Geant4 11 stops: its processes read them by `GetConstProperty`, where a missing
+    /// property is a fatal exception (mat202).
+    fn constants(&mut self, owner: &Owner, properties: &[(&str, &Datum)]) {
         let has = |wanted: &str| properties.iter().any(|(name, _)| *name == wanted);
-        if has("SCINTILLATIONCOMPONENT1") && !has("RESOLUTIONSCALE") {
-            let problem = format!("{owner} scintillates without `RESOLUTIONSCALE`");
-            let reason = "Geant4 stops where a particle loses energy in it; Rayweave needs no such property";
-            let advice = "Add RESOLUTIONSCALE, 1 for a number of photons with Poisson's distribution.";
-            self.find(owner, "SCINTILLATIONCOMPONENT1", Message::new(problem, reason).suggest(advice));
+        let (none, photon) = ("Rayweave needs no such property", "where it acts on a photon");
+        let rows = [
+            (
+                ("SCINTILLATIONCOMPONENT1", "scintillates", "RESOLUTIONSCALE"),
+                ("where a particle loses energy in it", none),
+                "1 for a number of photons with Poisson's distribution",
+            ),
+            (
+                ("WLSCOMPONENT", "shifts wavelengths", "WLSTIMECONSTANT"),
+                (photon, "Rayweave uses 0"),
+                "the decay time of the shifter",
+            ),
+            (
+                ("WLSCOMPONENT2", "shifts wavelengths", "WLSTIMECONSTANT2"),
+                (photon, "Rayweave uses 0"),
+                "the decay time of the shifter",
+            ),
+            (
+                ("MIEHG", "has Mie scattering", "MIEHG_FORWARD_RATIO"),
+                (photon, "Rayweave uses 0"),
+                "the fraction of the forward scattering",
+            ),
+            (
+                ("MIEHG", "has Mie scattering", "MIEHG_FORWARD"),
+                (photon, "Rayweave uses 0"),
+                "the mean cosine of the forward scattering",
+            ),
+            (
+                ("MIEHG", "has Mie scattering", "MIEHG_BACKWARD"),
+                (photon, "Rayweave uses 0"),
+                "the mean cosine of the backward scattering",
+            ),
+        ];
+        for ((present, process, needed), (place, ours), value) in rows {
+            if has(present) && !has(needed) {
+                let problem = format!("{owner} {process} without `{needed}`");
+                let reason = format!("Geant4 stops {place}; {ours}");
+                let advice = format!("Add {needed}, {value}.");
+                self.find(owner, present, Message::new(problem, reason).suggest(advice));
+            }
         }
     }
 

@@ -63,6 +63,39 @@ fn a_scintillator_needs_a_resolution_scale_in_geant4() {
         complete.iter().all(|finding| !finding.to_string().contains("without `RESOLUTIONSCALE`")),
         "{complete:#?}"
     );
+    // what the check asks for is not reported as unused
+    let names = ["RESOLUTIONSCALE", "SCINTILLATIONYIELD"];
+    let inner = format!(r#"{inner}<property name="SCINTILLATIONYIELD" ref="ONE"/>"#);
+    let complete = findings(&SlabDetector { inner: &inner, matrices, ..CLEAR }.text());
+    assert!(
+        complete.iter().all(|own| names.iter().all(|name| !own.to_string().contains(name))),
+        "{complete:#?}"
+    );
+    assert_eq!(SlabDetector { inner: &inner, matrices, ..CLEAR }.build().notes(), [""; 0]);
+}
+
+/// Geant4 11.4.1 stops with the fatal exception mat202 in these materials, when the process acts on a photon.
+#[test]
+fn processes_need_their_constants_in_geant4() {
+    let matrices = r#"<matrix name="ONE" coldim="1" values="1"/>"#;
+    let shifter = r#"<property name="RINDEX" ref="GLASS"/><property name="WLSABSLENGTH" ref="HALF"/><property name="WLSCOMPONENT" ref="HALF"/>"#;
+    let scattering = r#"<property name="RINDEX" ref="GLASS"/><property name="MIEHG" ref="HALF"/>"#;
+    for (inner, needed) in [
+        (shifter, &["WLSTIMECONSTANT"][..]),
+        (scattering, &["MIEHG_FORWARD_RATIO", "MIEHG_FORWARD", "MIEHG_BACKWARD"]),
+    ] {
+        let stated: String =
+            needed.iter().map(|name| format!(r#"<property name="{name}" ref="ONE"/>"#)).collect();
+        let complete = format!("{inner}{stated}");
+        for (inner, count) in [(inner, 1), (complete.as_str(), 0)] {
+            let all = findings(&SlabDetector { inner, matrices, ..CLEAR }.text());
+            for name in needed {
+                let text = format!("without `{name}`: Geant4 stops where it acts on a photon");
+                let found = all.iter().filter(|own| own.to_string().contains(&text)).count();
+                assert_eq!(found, count, "{name}: {all:#?}");
+            }
+        }
+    }
 }
 
 #[test]
