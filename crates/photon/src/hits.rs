@@ -5,7 +5,7 @@ use crate::photon::Photon;
 use crate::property::wavelength_nm;
 use crate::volume::VolumePaths;
 use rayweave_model::Face;
-use rayweave_table::{Chunk, Column, DType, Schema, TableError, TableWriter, Values};
+use rayweave_table::{Chunk, Column, DType, Schema, TableError, TableRow, TableWriter, Values};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -90,6 +90,30 @@ impl Hits {
         self.wavelength_nm.push(wavelength_nm(photon.energy));
         self.steps.push(i64::from(steps));
         self.sensor.push(known.number_entered(detector, region, face, &photon.ray()));
+    }
+
+    /// Adds a row of a table with the columns of [`hit_schema`], in this order.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError::Table`] for a value that the column cannot have.
+    pub(crate) fn push_row(&mut self, row: &TableRow<'_>, has_gensteps: bool) -> Result<(), TableError> {
+        self.event.push(row.integer(0)?);
+        self.photon.push(row.integer(1)?);
+        let vectors = [(&mut self.position, 2), (&mut self.direction, 6), (&mut self.polarisation, 9)];
+        for (columns, first) in vectors {
+            for (column, k) in columns.iter_mut().zip(first..) {
+                column.push(row.float(k)?);
+            }
+        }
+        self.time.push(row.float(5)?);
+        self.wavelength_nm.push(row.float(12)?);
+        self.steps.push(row.integer(13)?);
+        self.sensor.push(self.volumes.number_of(row.text(14)?));
+        if has_gensteps {
+            self.genstep.get_or_insert_default().push(row.integer(15)?);
+        }
+        Ok(())
     }
 
     /// Sorts by the number of the photon, then by steps; equal ones keep their order. `known` are the paths of the sensors.

@@ -28,6 +28,7 @@ mod flight;
 mod free_path;
 mod genstep;
 mod history;
+mod hit_file;
 mod hits;
 mod in_flight;
 mod lines;
@@ -67,6 +68,7 @@ pub use genstep::{
     photons_from_opticks,
 };
 pub use history::{Histories, HistoryOptions, Process, Sequence, StepRow, sequence_text};
+pub use hit_file::read_hits;
 pub use hits::{Hits, hit_schema, hit_table};
 pub use lint::{LintFinding, lint};
 pub use material::{

@@ -30,6 +30,12 @@ fn volume_path(detector: &Detector, region: u32, face: Option<Face>) -> (String,
     }
 }
 
+/// The copy number of the innermost step of a path with one, as in `module[3]/crystal`; -1 without one.
+fn stated_copy(path: &str) -> i64 {
+    let copy = |step: &str| step.strip_suffix(']')?.rsplit_once('[')?.1.parse().ok();
+    path.rsplit('/').find_map(copy).unwrap_or(NO_COPY)
+}
+
 /// The distinct paths of volumes, numbered in the order of their appearance.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct VolumePaths {
@@ -92,6 +98,14 @@ impl VolumePaths {
                 let (path, copy) = volume_path(detector, region, Some(face));
                 self.insert(&path.into(), copy)
             }
+        }
+    }
+
+    /// The number of a path that a file states. Its copy number is the last one in it.
+    pub fn number_of(&mut self, path: &str) -> u32 {
+        match self.numbers.get(path) {
+            Some(&number) => number,
+            None => self.insert(&path.into(), stated_copy(path)),
         }
     }
 

@@ -73,6 +73,10 @@ pub(super) fn detecting_regions(
             if is_lit || daughters.clone().any(is_clear) {
                 regions.insert(own);
             }
+            // regions of a native model have neither mothers nor daughters: light comes from all sides
+            if volumes.nested.is_empty() {
+                regions.insert(own);
+            }
             let is_source = !is_lit || !skin.is_opaque(false) || neighbours.any_within(own, emits);
             if is_clear(&own) && is_source {
                 regions.extend(mothers.chain(daughters));

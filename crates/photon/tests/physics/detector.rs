@@ -129,6 +129,69 @@ fn a_model_without_optical_properties_is_refused() {
     assert!(message.contains("neither a table [photons] nor a table [gdml]. Use a GDML file"), "{message}");
 }
 
+/// A box of glass between two sensors with a skin, in a native model: the sensors are listed in the order of the regions, whichever has
+/// the first hit, and hits of a file have their numbers.
+#[test]
+fn sensors_of_native_models_are_in_the_order_of_their_regions() {
+    let text = r#"
+rayweave = 1
+unit = "mm"
+[solid.glass]
+box = { size = 20 }
+[solid.up]
+box = { size = [20, 20, 1] }
+transform = [{ translate = [0, 0, 10.5] }]
+[solid.down]
+box = { size = [20, 20, 1] }
+transform = [{ translate = [0, 0, -10.5] }]
+[[region]]
+solid = "glass"
+medium = "glass"
+[[region]]
+solid = "up"
+medium = "silicon"
+[[region]]
+solid = "down"
+medium = "silicon"
+[medium.glass]
+[medium.silicon]
+[photons.medium.glass]
+RINDEX = 1.5
+[[photons.surface]]
+name = "chip"
+model = "unified"
+finish = "polished"
+type = "dielectric_metal"
+skin = ["up", "down"]
+REFLECTIVITY = 0
+EFFICIENCY = 1
+"#;
+    let (document, scene) = rayweave_scene::parse(text).unwrap();
+    let detector = rayweave_photon::Detector::new(&scene, &document).unwrap();
+    let names: Vec<&str> = detector.sensor_paths().iter().map(|(path, _)| path.as_str()).collect();
+    assert_eq!(names, ["up", "down"]);
+    let folder = std::env::temp_dir().join(format!("rayweave-hits-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    for (z, number) in [(1.0, 0), (-1.0, 1)] {
+        let mut light = beam(10, [0.0, 0.0, z], [1.0, 0.0, 0.0]);
+        if let rayweave_photon::Source::Photons(photons) = &mut light {
+            photons.iter_mut().for_each(|photon| photon.position.z = 0.0);
+        }
+        let mut hits = run(&detector, &light, &settings(10)).hits;
+        hits.number_by(&detector);
+        assert_eq!(hits.sensor, [number; 10]);
+        assert_eq!(hits.paths().iter().map(|path| &**path).collect::<Vec<_>>(), names);
+        for ending in ["csv", "npy"] {
+            let path = folder.join(format!("hits.{ending}"));
+            let mut table = rayweave_photon::hit_table(&path, &detector, false).unwrap();
+            table.write(&hits.to_rows().unwrap()).unwrap();
+            table.finish().unwrap();
+            assert_eq!(rayweave_photon::read_hits(&path, &detector).unwrap(), hits);
+        }
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
 /// A row of three slabs of 100 mm that touch, with a surface: photons start in the middle one, along z.
 fn touching_slabs(links: &str) -> rayweave_photon::Detector {
     numbered_slabs(links, [4, 5, 6])
