@@ -58,13 +58,13 @@ fn a_sensor_with_few_hits_does_not_set_the_scale() {
     assert_eq!(cells(&drawing[drawing.find(">c<").unwrap()..drawing.find(">d<").unwrap()]), 16);
     let alone = HitPositions { sensors: &[3], positions: [&x[525..], &y[525..], &z[525..]], ..known };
     assert_eq!(cells(&hit_maps_svg(alone, "a", "mm")), 1);
-    // about 100 hits in a cell
-    let many: Vec<f64> = (0..40_000).map(|k| 6.0 * (f64::from(k % 200) + 0.5) / 200.0).collect();
-    let rows: Vec<f64> = (0..40_000).map(|k| 6.0 * (f64::from(k / 200) + 0.5) / 200.0).collect();
+    // about 10 hits in a cell
+    let many: Vec<f64> = (0..4_000).map(|k| 6.0 * (f64::from(k % 80) + 0.5) / 80.0).collect();
+    let rows: Vec<f64> = (0..4_000).map(|k| 6.0 * (f64::from(k / 80) + 0.5) / 50.0).collect();
     let extents = [Some(Bounds::new(Vec3::ZERO, Vec3::new(6.0, 6.0, 1.0)))];
     let many = HitPositions {
-        sensors: &[0; 40_000],
-        positions: [&many, &rows, &[0.0; 40_000]],
+        sensors: &[0; 4_000],
+        positions: [&many, &rows, &[0.0; 4_000]],
         extents: &extents,
         ..hits
     };

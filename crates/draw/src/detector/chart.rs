@@ -100,7 +100,18 @@ impl Chart {
 }
 
 /// Draws the axes of a panel with ticks: the label of the horizontal axis below it, and that of the vertical axis above.
-pub fn panel_axes(svg: &mut Svg, [across, up]: [&Axis; 2], [below, above]: [&str; 2]) {
+pub fn panel_axes(svg: &mut Svg, [across, up]: [&Axis; 2], labels: [&str; 2]) {
+    let ticks = up.ticks((up.start - up.end) / 50.0);
+    panel_axes_with(svg, [across, up], ticks, labels);
+}
+
+/// Like [`panel_axes`], with the ticks of the vertical axis: places in its values, and texts.
+pub fn panel_axes_with(
+    svg: &mut Svg,
+    [across, up]: [&Axis; 2],
+    ticks: Vec<(f64, String)>,
+    [below, above]: [&str; 2],
+) {
     let (left, right) = (across.start, across.end);
     let (bottom, top) = (up.start, up.end);
     let mut path = format!("M{} {}V{}H{}", Pixels(left), Pixels(top), Pixels(bottom), Pixels(right));
@@ -110,7 +121,7 @@ pub fn panel_axes(svg: &mut Svg, [across, up]: [&Axis; 2], [below, above]: [&str
         let _ = write!(path, "M{} {}v5", Pixels(x), Pixels(bottom));
         svg.text("tick", [x, bottom + 18.0], Anchor::Middle, &text, &text);
     }
-    for (value, text) in up.ticks((bottom - top) / 50.0) {
+    for (value, text) in ticks {
         let y = up.position(value);
         let _ = write!(path, "M{} {}h-5", Pixels(left), Pixels(y));
         svg.text("tick", [left - 8.0, y + 4.0], Anchor::End, &text, &text);

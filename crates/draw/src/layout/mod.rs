@@ -163,8 +163,8 @@ impl OpticalLayout {
     }
 
     /// Cuts a model of regions and draws all traced light, projected onto the plane. `medium` is the name of the medium of a
-    /// region, `None` for opaque ones. The window contains the ends of all segments, and the regions there that it has room for;
-    /// escaping light is drawn up to its edge.
+    /// region, `None` for opaque ones. The window contains the ends of all segments, and the regions there that it has room for,
+    /// without regions around all light that no light is in, such as the world; escaping light is drawn up to its edge.
     ///
     /// # Errors
     /// [`DrawError::Section`] for an invalid plane or a model without extent.
@@ -178,7 +178,9 @@ impl OpticalLayout {
         let cut = plane.cut()?;
         let of_light = light_range(&cut, &segments);
         let of_light = of_light.map(|range| range.unwrap_or([1.0, -1.0]));
-        let (lo, hi) = with_margins(with_regions(&cut, of_light, &evaluator.program().region_bounds()));
+        let mut boxes = evaluator.program().region_bounds();
+        drop_dark_surroundings(evaluator, &segments, &mut boxes);
+        let (lo, hi) = with_margins(with_regions(&cut, of_light, &boxes));
         let mut layout = OpticalLayout {
             plane,
             cut,
@@ -360,6 +362,35 @@ fn light_range(cut: &Cut, segments: &Segments) -> [Option<[f64; 2]>; 2] {
     ranges
 }
 
+/// The largest number of segments whose regions are found for the window of a drawing.
+const MOST_LOCATED: usize = 1 << 16;
+
+/// Removes the boxes of the regions around all light that hold none of it, such as an empty world.
+fn drop_dark_surroundings<E: Evaluator>(evaluator: &E, segments: &Segments, boxes: &mut [Bounds]) {
+    let is_within = |point: &Vec3| point.is_finite();
+    let ends = || segments.iter().flat_map(|own| [own.start, own.end]).filter(is_within);
+    let mut light = Bounds::EMPTY;
+    ends().for_each(|point| light = light.union(&Bounds::new(point, point)));
+    if light.is_empty() || segments.len() > MOST_LOCATED {
+        return;
+    }
+    // escaping light has no end, and passes through whatever is around it
+    let middle = |start: Vec3, end: Vec3, direction: Vec3| match end.is_finite() {
+        true => 0.5 * (start + end),
+        false => start + 1e-6 * (light.hi - light.lo).length() * direction,
+    };
+    let middles: Vec<Vec3> = segments.iter().map(|own| middle(own.start, own.end, own.direction)).collect();
+    let points = [0, 1, 2].map(|k| middles.iter().map(|point| point.to_array()[k]).collect::<Vec<f64>>());
+    let mut regions = vec![RegionId(0); middles.len()];
+    evaluator.regions_at([&points[0], &points[1], &points[2]], &mut evaluator.scratch(), &mut regions);
+    for (number, own) in (1..).zip(boxes) {
+        let is_around = own.lo.cmple(light.lo).all() && own.hi.cmpge(light.hi).all();
+        if is_around && !regions.contains(&RegionId(number)) {
+            *own = Bounds::EMPTY;
+        }
+    }
+}
+
 /// The ranges of light with those of the regions that it is in, unless they extend beyond it by more than 0.6 times its size.
 fn with_regions(cut: &Cut, light: [[f64; 2]; 2], boxes: &[Bounds]) -> [[f64; 2]; 2] {
     let size = light.iter().map(|[lo, hi]| hi - lo).fold(0.0, f64::max);
@@ -406,5 +437,39 @@ mod tests {
         let boxes = [cube(-100.0, 100.0), cube(-4.0, 10.0), cube(2.0, 15.5), cube(50.0, 60.0)];
         assert_eq!(with_regions(&cut, light, &boxes), [[-4.0, 15.5]; 2]);
         assert_eq!(with_regions(&cut, light, &boxes[..1]), light);
+    }
+
+    /// A tank in a world of 24: without light, the world has no place in the drawing.
+    #[test]
+    fn dark_surroundings_are_not_shown() {
+        let text = r#"
+            rayweave = 1
+            [solid.hall]
+            box = { size = 24 }
+            [solid.tank]
+            box = { size = 20 }
+            [[region]]
+            solid = "hall"
+            [[region]]
+            solid = "tank"
+        "#;
+        let (_, scene) = rayweave_scene::parse(text).unwrap();
+        let program = Arc::new(Program::compile_regions(&scene.model_regions()).unwrap());
+        let evaluator = rayweave_trace::Packets::new(program);
+        let light = |ends: &[[f64; 3]]| {
+            let mut segments = Segments::default();
+            for pair in ends.windows(2) {
+                let [start, end] = [Vec3::from(pair[0]), Vec3::from(pair[1])];
+                segments.push(plane::tests::ray(start.to_array(), end.to_array()));
+            }
+            let layout =
+                OpticalLayout::of_light(&evaluator, |_| None, segments, Some("yz".parse().unwrap())).unwrap();
+            [layout.lo, layout.hi]
+        };
+        let inside = light(&[[0.0, -10.0, -10.0], [0.0, 10.0, 10.0]]);
+        assert_eq!(inside, [[-11.0; 2], [11.0; 2]]);
+        // light that leaves the tank
+        let outside = light(&[[0.0, -10.0, -10.0], [0.0, 10.0, 10.0], [0.0, 12.0, 12.0]]);
+        assert!(outside[0][0] < -12.0, "{outside:?}");
     }
 }

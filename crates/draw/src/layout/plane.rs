@@ -109,7 +109,7 @@ impl Along {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use rayweave_optics::{Event, Segment};
 
@@ -126,7 +126,7 @@ mod tests {
         assert_eq!(LayoutPlane::X(2.5).to_string(), "x = 2.5");
     }
 
-    fn ray(start: [f64; 3], end: [f64; 3]) -> Segment {
+    pub(in crate::layout) fn ray(start: [f64; 3], end: [f64; 3]) -> Segment {
         let (start, end) = (Vec3::from(start), Vec3::from(end));
         let direction = (end - start).normalize_or_zero();
         Segment {
