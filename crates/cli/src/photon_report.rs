@@ -22,6 +22,8 @@ pub struct PhotonReport {
     pub run: PhotonRun,
     hits: u64,
     keeps_hits: bool,
+    /// Some of the detected photons.
+    pub detected: DetectedPhotons,
     pub duration: Duration,
     /// The share of a graphics card.
     pub share: Option<PhotonShare>,
@@ -35,6 +37,47 @@ pub struct PhotonReport {
     sensors: Vec<(String, u64)>,
     /// The places of the paths in that list.
     places: TextIds,
+}
+
+/// Numbers of detected photons, evenly spread over all hits in their order, in bounded memory: every hit, then every second one, and
+/// so on.
+#[derive(Debug, Default)]
+pub struct DetectedPhotons {
+    numbers: Vec<u64>,
+    hits: u64,
+    /// Every 2^k-th hit is kept.
+    thinned: u32,
+}
+
+/// The largest number of detected photons that are kept.
+const MAX_DETECTED: usize = 1 << 16;
+
+impl DetectedPhotons {
+    fn add(&mut self, photons: &[i64]) {
+        for &photon in photons {
+            if self.hits.trailing_zeros() >= self.thinned {
+                self.numbers.push(photon as u64);
+            }
+            self.hits += 1;
+            if self.numbers.len() == MAX_DETECTED {
+                let mut place = 0usize;
+                self.numbers.retain(|_| {
+                    place += 1;
+                    place % 2 == 1
+                });
+                self.thinned += 1;
+            }
+        }
+    }
+
+    /// Up to `count` different ones, ascending.
+    pub fn numbers(&self, count: u64) -> Vec<u64> {
+        let mut all = self.numbers.clone();
+        // a wavelength shifter may emit several photons of one number
+        all.dedup();
+        let count = (count as usize).min(all.len());
+        (0..count).map(|k| all[k * all.len() / count]).collect()
+    }
 }
 
 impl PhotonReport {
@@ -55,6 +98,7 @@ impl PhotonReport {
             run: PhotonRun::default(),
             hits: 0,
             keeps_hits,
+            detected: DetectedPhotons::default(),
             duration: Duration::ZERO,
             share: None,
             detection,
@@ -70,6 +114,7 @@ impl PhotonReport {
     pub fn add(&mut self, mut part: PhotonPart) {
         self.hits += part.run.hits.len() as u64;
         self.count_by_sensor(&part.run.hits);
+        self.detected.add(&part.run.hits.photon);
         if !self.keeps_hits {
             part.run.hits = Hits::default();
         }
@@ -278,5 +323,27 @@ impl PhotonReport {
         list.sort_by_key(|&(words, count)| (std::cmp::Reverse(count), words));
         list.truncate(*most);
         list
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn detected_photons_are_spread_over_all_hits() {
+        let mut few = DetectedPhotons::default();
+        few.add(&[3, 5, 5, 8]);
+        few.add(&[20]);
+        assert_eq!(few.numbers(10), [3, 5, 8, 20]);
+        assert_eq!(few.numbers(2), [3, 8]);
+        assert_eq!(few.numbers(0), [0; 0]);
+        let mut many = DetectedPhotons::default();
+        (0..1_000_000).for_each(|k| many.add(&[7 * k]));
+        assert!(many.numbers.len() < MAX_DETECTED);
+        let chosen = many.numbers(4);
+        for (number, wanted) in chosen.into_iter().zip([0u64, 1_750_000, 3_500_000, 5_250_000]) {
+            assert!(number.abs_diff(wanted) < 7_000, "{number} {wanted}");
+        }
     }
 }

@@ -16,6 +16,7 @@ mod merge;
 mod new;
 mod optics;
 mod photon_compare;
+mod photon_drawings;
 mod photon_source;
 mod photon_tables;
 mod photons;

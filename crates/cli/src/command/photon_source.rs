@@ -135,6 +135,11 @@ enum SourceKind {
 }
 
 impl SourceArguments {
+    /// True for scintillation light of a material.
+    pub fn is_scintillation(&self) -> bool {
+        self.scintillation.is_some()
+    }
+
     /// The source. Notes about it are passed to `note`.
     pub fn source(
         &self,

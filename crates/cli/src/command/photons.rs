@@ -1,6 +1,7 @@
 //! `rayweave photons`: optical photons in a detector.
 
 use super::photon_compare::PhotonCompare;
+use super::photon_drawings::{HitDrawings, PhotonDraw};
 use super::photon_source::SourceArguments;
 use super::photon_tables::SurfaceTableArguments;
 use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, debug_hash, whole_number};
@@ -15,10 +16,9 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 use rayweave::Packets;
 use rayweave::check::{CheckSettings, Hierarchy, protruding};
-use rayweave::detector::{Histogram, HitPositions, MapPlane, MapScale, histograms_svg, hit_maps_svg};
 use rayweave::layout::{LayoutPlane, OpticalLayout};
 use rayweave::photon::{
-    DetectionRule, Detector, Histories, HistoryOptions, Hits, OpticksHits, PhotonError, RunSettings, Source,
+    DetectionRule, Detector, Histories, HistoryOptions, OpticksHits, PhotonError, RunSettings, Source,
     TimeProfile, check_start, history_schema, hit_schema, hit_table, lint, simulate_parts, step_schema,
 };
 use rayweave::scene::{Document, Scene};
@@ -45,7 +45,8 @@ const MOST_PROTRUDING: usize = 64;
 ///
 /// The summary is printed on standard output, with --quiet only if no file is written.
 ///
-/// `rayweave photons compare A B` compares two runs, of Rayweave, Geant4 or Opticks.
+/// `rayweave photons compare A B` compares two runs, of Rayweave, Geant4 or Opticks; `rayweave photons draw MODEL HITS` draws the hits
+/// of a table.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -57,7 +58,9 @@ Examples:
   rayweave photons detector.gdml --at 0,0,0 --wavelength 420 --range 17:18 --steps photon17.csv
   rayweave photons detector.gdml --source volume --volume Target --spectrum emission.csv --time-decay 6 -o hits.csv
   rayweave photons detector.gdml --gensteps gensteps.npy --event 7 -o hits.csv
-  rayweave photons compare histories.csv geant4.csv")]
+  rayweave photons detector.gdml --at 0,0,0 --wavelength 420 -n 100000 --draw tracks.svg --draw-detected --tracks 20
+  rayweave photons compare histories.csv geant4.csv
+  rayweave photons draw detector.gdml hits.npy --map map.svg")]
 pub struct Simulation {
     #[command(flatten)]
     model: ModelArguments,
@@ -132,33 +135,16 @@ pub struct Simulation {
     #[arg(long, value_name = "PLANE", requires = "draw")]
     plane: Option<LayoutPlane>,
 
+    /// Draw tracks of detected photons alone, evenly spread over the hits; if there are no hits, those of all photons
+    #[arg(long, requires = "draw")]
+    draw_detected: bool,
+
     /// Number of photons in the drawing of tracks, evenly spread over the run
     #[arg(long, value_name = "N", requires = "draw", default_value_t = 100, value_parser = crate::arguments::any_count::<u64>)]
     tracks: u64,
 
-    /// Maps of the hits of each sensor, .svg, .pdf, .png or .jpg; the first of several is a projection of all sensors
-    #[arg(long, value_name = "DRAWING")]
-    map: Option<PathBuf>,
-
-    /// Plane of all maps: yz, xz, xy, or sphere for one map of azimuth and cosine of the polar angle as seen from the origin, with a
-    /// marker for each sensor if all are small as seen from there [default:
-    /// for each sensor the plane in which it extends most if it is flat, or else its hits]
-    #[arg(long, value_name = "PLANE", requires = "map")]
-    map_plane: Option<MapPlane>,
-
-    /// Number of cells along the longer side of each map; for the plane sphere along the polar angle, and twice as many along the
-    /// azimuth [default: for about 100 hits in a cell, from 4 to 64]
-    #[arg(long, value_name = "N", requires = "map", value_parser = map_bins)]
-    map_bins: Option<usize>,
-
-    /// Scale of the colours of the maps: linear, or log, which shows sensors with few hits beside those with many; cells without hits
-    /// are then grey
-    #[arg(long, value_name = "SCALE", requires = "map", default_value = "linear", value_parser = map_scale())]
-    map_scale: MapScale,
-
-    /// Spectra of the times and wavelengths of the hits, .svg, .pdf, .png or .jpg
-    #[arg(long, value_name = "DRAWING")]
-    spectra: Option<PathBuf>,
+    #[command(flatten)]
+    hit_drawings: HitDrawings,
 
     /// Report the number of processes, in total and by optical surface
     #[arg(long)]
@@ -202,14 +188,10 @@ fn layout() -> impl TypedValueParser<Value = HitLayout> {
     names.map(|name| if name == "opticks" { HitLayout::Opticks } else { HitLayout::Table })
 }
 
-/// Reads the name of a scale of colours.
-fn map_scale() -> impl TypedValueParser<Value = MapScale> {
-    PossibleValuesParser::new(["linear", "log"]).map(|name| name.parse().unwrap_or_default())
-}
-
-/// The command with its task: a comparison, or else a simulation.
+/// The command with its task: a comparison, drawings of hits, or else a simulation.
 pub enum Photons {
     Compare(PhotonCompare),
+    Draw(Box<PhotonDraw>),
     Simulate(Box<Simulation>),
 }
 
@@ -217,6 +199,7 @@ impl Photons {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         match self {
             Photons::Compare(compare) => compare.run(),
+            Photons::Draw(draw) => draw.run(),
             Photons::Simulate(simulation) => simulation.run(global),
         }
     }
@@ -225,8 +208,9 @@ impl Photons {
 /// By hand: the model and the source are required unless there is a sub-command, which the derive macro cannot express.
 impl FromArgMatches for Photons {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Photons, clap::Error> {
-        match matches.subcommand_matches(COMPARE) {
-            Some(own) => PhotonCompare::from_arg_matches(own).map(Photons::Compare),
+        match matches.subcommand() {
+            Some((COMPARE, own)) => PhotonCompare::from_arg_matches(own).map(Photons::Compare),
+            Some((_, own)) => PhotonDraw::from_arg_matches(own).map(|own| Photons::Draw(Box::new(own))),
             None => Simulation::from_arg_matches(matches).map(|own| Photons::Simulate(Box::new(own))),
         }
     }
@@ -240,11 +224,13 @@ impl FromArgMatches for Photons {
 impl Args for Photons {
     fn augment_args(command: Command) -> Command {
         let compare = PhotonCompare::augment_args(Command::new(COMPARE)).allow_negative_numbers(true);
+        let draw = PhotonDraw::augment_args(Command::new(DRAW)).allow_negative_numbers(true);
         Simulation::augment_args(command)
             .args_conflicts_with_subcommands(true)
             .subcommand_negates_reqs(true)
             .disable_help_subcommand(true)
             .subcommand(compare)
+            .subcommand(draw)
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -255,8 +241,9 @@ impl Args for Photons {
 /// The number of photons of a torch without -n.
 const DEFAULT_COUNT: u64 = 10_000;
 
-/// The name of the sub-command.
+/// The names of the sub-commands.
 const COMPARE: &str = "compare";
+const DRAW: &str = "draw";
 
 impl Simulation {
     fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
@@ -295,6 +282,7 @@ impl Simulation {
         let evaluator = Packets::new(detector.program().clone());
         let source = self.source.source(&detector, &evaluator, note)?;
         let range = self.numbers(source.limit())?;
+        self.of_yields().iter().for_each(|text| note(text));
         let settings = RunSettings {
             seed: self.seed,
             event: self.event,
@@ -323,17 +311,28 @@ impl Simulation {
         if !global.quiet {
             report.remarks(&self.model.name(), mistakes).iter().for_each(|text| note(text));
         }
-        if self.map.is_some() {
+        if self.hit_drawings.map.is_some() {
             report.run.hits.number_by(&detector);
         }
-        self.draw_tracks(&detector, &source, &settings)?;
-        self.draw_hits(&report.run.hits, &detector)?;
+        self.draw_tracks(&detector, &source, &settings, report.detected.numbers(self.tracks))?;
+        self.hit_drawings.draw(&report.run.hits, &detector, &self.model.name())?;
         match () {
             () if self.json => terminal::print(&format!("{:#}\n", report.as_json())),
             // without files the report is the result
             () if is_piped || global.quiet && self.writes_files() => Ok(()),
             () => terminal::print(&report.as_text()),
         }
+    }
+
+    /// A note about the number of scintillation photons, if none is given.
+    fn of_yields(&self) -> Option<String> {
+        let is_open = self.count.is_none() && self.source.is_scintillation();
+        is_open.then(|| {
+            format!(
+                "note: {DEFAULT_COUNT} photons are simulated: SCINTILLATIONYIELD and RESOLUTIONSCALE have no effect. -n states the \
+                 number, on average SCINTILLATIONYIELD times the deposited energy."
+            )
+        })
     }
 
     /// Notes about daughters that extend beyond their mothers, as far as they are quickly found.
@@ -419,21 +418,27 @@ impl Simulation {
     }
 
     fn drawings(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.draw, &self.map, &self.spectra].into_iter().flatten()
+        self.draw.iter().chain(self.hit_drawings.files())
     }
 
-    /// Draws the tracks of some photons, spread over the run, which are simulated once more: the same photons have the same tracks.
+    /// Draws the tracks of some photons, spread over the run, or of `detected` ones, which are simulated once more: the same photons have
+    /// the same tracks.
     fn draw_tracks(
         &self,
         detector: &Detector,
         source: &Source,
         settings: &RunSettings,
+        detected: Vec<u64>,
     ) -> Result<(), Failure> {
         let Some(path) = &self.draw else { return Ok(()) };
         let options = HistoryOptions { steps: true, sequences: false };
         let evaluator = Packets::new(detector.program().clone());
         let mut histories = Histories::default();
-        for photons in spread(&settings.photons, self.tracks) {
+        let numbers = match self.draw_detected && !detected.is_empty() {
+            true => consecutive(detected.into_iter()),
+            false => spread(&settings.photons, self.tracks),
+        };
+        for photons in numbers {
             let settings = RunSettings { photons, ..settings.clone() };
             simulate_parts(detector, &evaluator, source, &settings, Some(options), |part| {
                 part.histories.into_iter().for_each(|own| histories.append(own));
@@ -445,30 +450,6 @@ impl Simulation {
         let layout = layout.with_sensors(detector.sensors().map(|(region, _)| region));
         let layout = layout.with_marks("detected", histories.detections().map(|row| row.position));
         drawing::save(path, &layout.to_svg(&self.model.name(), "mm"), &self.model.name())
-    }
-
-    fn draw_hits(&self, hits: &Hits, detector: &Detector) -> Result<(), Failure> {
-        let name = self.model.name();
-        if let Some(path) = &self.map {
-            let [x, y, z] = &hits.position;
-            let (names, sensors) = (hits.paths(), &hits.sensor);
-            let hits = HitPositions {
-                names,
-                sensors,
-                positions: [x, y, z],
-                extents: detector.sensor_extents(),
-                cells: self.map_bins,
-                plane: self.map_plane,
-                scale: self.map_scale,
-            };
-            drawing::save(path, &hit_maps_svg(hits, &name, "mm"), &name)?;
-        }
-        let Some(path) = &self.spectra else { return Ok(()) };
-        let time = Histogram::new("time", "ns", &hits.time);
-        let wavelength =
-            Histogram { is_wavelength: true, ..Histogram::new("wavelength", "nm", &hits.wavelength_nm) };
-        let title = format!("Hits: {name}");
-        drawing::save(path, &histograms_svg(&[time, wavelength], &title), &title)
     }
 
     /// Runs the simulation; writes the tables of hits, steps and histories meanwhile.
@@ -494,7 +475,7 @@ impl Simulation {
         let options = HistoryOptions { steps: is_recorded, sequences: self.sequences.is_some() };
         let histories = (options != HistoryOptions::default() || self.counts).then_some(options);
         let simulator = self.device.choose_for_photons(detector, histories.is_some(), global.quiet)?;
-        let is_drawn = self.map.is_some() || self.spectra.is_some();
+        let is_drawn = self.hit_drawings.files().next().is_some();
         let mut report =
             PhotonReport::new(detector, self.detect.name(), self.counts, self.sequences, is_drawn);
         let Range { start, end } = settings.photons;
@@ -548,22 +529,19 @@ fn spread(&Range { start, end }: &Range<u64>, count: u64) -> Vec<Range<u64>> {
     let total = end.saturating_sub(start);
     let count = count.min(total);
     let number = |k: u64| start + (u128::from(k) * u128::from(total) / u128::from(count)) as u64;
+    consecutive((0..count).map(number))
+}
+
+/// Ascending numbers as ranges of consecutive ones.
+fn consecutive(numbers: impl Iterator<Item = u64>) -> Vec<Range<u64>> {
     let mut ranges: Vec<Range<u64>> = Vec::new();
-    for number in (0..count).map(number) {
+    for number in numbers {
         match ranges.last_mut().filter(|last| last.end == number) {
             Some(last) => last.end += 1,
             None => ranges.push(number..number + 1),
         }
     }
     ranges
-}
-
-/// Parses the number of cells of a map.
-fn map_bins(text: &str) -> Result<usize, String> {
-    match crate::arguments::any_count::<usize>(text)? {
-        bins @ 1..=1023 => Ok(bins),
-        bins => Err(format!("{bins} cells cannot be drawn: a map can have 1 to 1023 along its longer side")),
-    }
 }
 
 /// Completes a table, as a part with these counts if it is one.

@@ -384,6 +384,41 @@ fn histories_and_drawings() {
     assert!(bench.fails(2, &run(&["--map-bins", "3"])).contains("--map"));
 }
 
+/// Drawings of a merged table are those of the whole run, byte for byte.
+#[test]
+fn drawings_of_tables_of_hits() {
+    let bench = bench_of_two_diodes();
+    let whole = run(&["--map", "map.svg", "--spectra", "spectra.svg", "-o", "hits.csv"]);
+    bench.says(&whole);
+    for (range, part) in [("0:700", "a.npy"), ("700:2000", "b.npy")] {
+        bench.says(&run(&["--range", range, "-o", part]));
+    }
+    bench.says(&["merge", "a.npy", "b.npy", "-o", "merged.npy"]);
+    for hits in ["merged.npy", "hits.csv"] {
+        bench.says(&["photons", "draw", "bar.gdml", hits, "--map", "again.svg", "--spectra", "times.svg"]);
+        assert_eq!(bench.read("again.svg"), bench.read("map.svg"));
+        assert_eq!(bench.read("times.svg"), bench.read("spectra.svg"));
+    }
+    let message = bench.fails(2, &["photons", "draw", "bar.gdml", "hits.csv"]);
+    assert!(message.contains("--map") && message.contains("--spectra"), "{message}");
+    bench.says(&run(&["--steps", "steps.csv"]));
+    let message = bench.fails(3, &["photons", "draw", "bar.gdml", "steps.csv", "--map", "m.svg"]);
+    assert!(message.contains("steps.csv is not a table of hits: it has no column `event`"), "{message}");
+}
+
+/// Every track in the drawing ends with a mark of detection, where some 5 % of the photons are detected.
+#[test]
+fn tracks_of_detected_photons() {
+    let bench = bench();
+    bench.says(&run(&["--draw", "all.svg", "--tracks", "20"]));
+    bench.says(&run(&["--draw", "detected.svg", "--draw-detected", "--tracks", "20"]));
+    // the marks, and one in the legend
+    let marks = |name: &str| bench.read(name).matches("class=\"mark\"").count();
+    assert!(marks("all.svg") < 10, "{}", bench.read("all.svg"));
+    assert!(marks("detected.svg") >= 20, "{}", bench.read("detected.svg"));
+    assert!(bench.fails(2, &run(&["--draw-detected"])).contains("--draw"));
+}
+
 /// The array of Opticks has the hits of the table. Its masks have the flags of the sequences if histories are recorded.
 #[test]
 fn hits_as_photons_of_opticks() {
