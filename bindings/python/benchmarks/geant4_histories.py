@@ -496,11 +496,17 @@ def main():
     parser.add_argument("--detect", choices=("efficiency", "volume", "both"), default="both")
     parser.add_argument("--max-steps", type=int, default=10_000)
     options = parser.parse_args()
-    with open(options.out, "w", newline="") as tracks, open(options.hits or os.devnull, "w", newline="") as hits:
+    # a fatal exception of Geant4 ends the process: it leaves unfinished files, not tables that look complete
+    paths = [path for path in (options.out, options.hits) if path is not None]
+    unfinished = [path.with_name(path.name + ".unfinished") for path in paths]
+    files = [open(path, "w", newline="") for path in (*unfinished, os.devnull)]
+    with files[0] as tracks, files[1] as hits, files[-1]:
         tables = [csv.writer(file, lineterminator="\n") for file in (tracks, hits)]
         for table, columns in zip(tables, (COLUMNS, HIT_COLUMNS)):
             table.writerow(columns)
         written, found, seconds = simulate(options, *tables)
+    for own, path in zip(unfinished, paths):
+        os.replace(own, path)
     print(f"{written} tracks, {found} hits in {seconds:.1f} s: {written / max(seconds, 1e-9):.0f} tracks/s")
     sys.stdout.flush()
     os._exit(0)  # Geant4 may fail while it takes itself apart
