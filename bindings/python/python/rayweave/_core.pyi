@@ -1116,6 +1116,9 @@ class CompiledDetector:
         all of them do.
         """
 
+    def read_hits(self, path: str | PathLike[str]) -> PhotonHits:
+        """Hits from a table: .csv, or .npy with the file of names beside it."""
+
     def volume_source(self, name: str, is_boundary: bool, light: Mapping[str, Any]) -> PhotonSource:
         """A torch in a volume, or on its boundary."""
 
@@ -1182,8 +1185,8 @@ class PhotonHistories:
     def save(self, path: str | PathLike[str]) -> None:
         """Writes the table of steps of the command: .csv, .npy or .parquet."""
 
-    def tracks_svg(self, title: str, plane: str | None = None) -> str:
-        """The tracks in a section of the detector, as SVG."""
+    def tracks_svg(self, title: str, plane: str | None = None, photons: list[int] | None = None) -> str:
+        """The tracks in a section of the detector, as SVG: all of them, or those of some photons."""
 
 @final
 class PhotonHits:
@@ -1238,9 +1241,9 @@ class PhotonRun:
     def is_dark(self) -> bool:
         """Whether the run has many photons and no hit."""
 
-    def notes(self, mistakes: int | None = None) -> list[str]:
-        """Remarks about the run: with a number of probable mistakes in the detector, that about a run without hits, and that about
-        photons stopped by the limit of steps.
+    def notes(self, mistakes: int | None = None, *, few: bool = True) -> list[str]:
+        """Remarks about the run: with a number of probable mistakes in the detector, that about a run without hits; and that about
+        photons stopped by the limit of steps, also if they are `few`.
         """
 
     @property

@@ -14,13 +14,14 @@ use rayweave::model::drive::Cancel;
 use rayweave::photon::property::{PropertyTable, Spectrum};
 use rayweave::photon::{
     DetectionRule, Detector, Histories, HistoryOptions, LintFinding, OpticalMaterial, OpticalSurface,
-    PhotonPart, PhotonRun, RunSettings, SurfaceTables, TimeProfile, check_start, lint,
+    PhotonPart, PhotonRun, RunSettings, SurfaceTables, TimeProfile, check_start, lint, read_hits,
 };
 use rayweave::photon_simulator::PhotonSimulator;
 
 use crate::device::{device_argument, warn};
 use crate::error::{bad_value, require_file};
 use crate::interrupt::{abandonable, interruptible};
+use crate::photons::hits::PyPhotonHits;
 use crate::photons::light::TorchLight;
 use crate::photons::parts::DetectorParts;
 use crate::photons::run::{Halt, PhotonWatch, PyPhotonRun};
@@ -206,6 +207,13 @@ impl PyDetector {
         let run = settings.settings(&Cancel::new())?;
         let DetectorParts { detector, evaluator, .. } = &*self.parts;
         py.detach(|| check_start(detector, evaluator, &source.source, &run)).map_err(bad_value)
+    }
+
+    /// Hits from a table: .csv, or .npy with the file of names beside it.
+    fn read_hits(&self, py: Python<'_>, path: PathBuf) -> PyResult<PyPhotonHits> {
+        require_file(&path)?;
+        let hits = py.detach(|| read_hits(&path, &self.parts.detector)).map_err(bad_value)?;
+        Ok(PyPhotonHits { hits, flags: None, detector: self.parts.clone() })
     }
 
     /// A torch in a volume, or on its boundary.

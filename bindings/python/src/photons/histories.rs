@@ -1,5 +1,6 @@
 //! Histories of photons as arrays and drawings.
 
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -119,19 +120,33 @@ impl PyHistories {
         py.detach(write).map_err(bad_value)
     }
 
-    /// The tracks in a section of the detector, as SVG.
-    #[pyo3(signature = (title, plane = None))]
-    fn tracks_svg(&self, py: Python<'_>, title: &str, plane: Option<&str>) -> PyResult<String> {
+    /// The tracks in a section of the detector, as SVG: all of them, or those of some photons.
+    #[pyo3(signature = (title, plane = None, photons: "list[int] | None" = None))]
+    fn tracks_svg(
+        &self,
+        py: Python<'_>,
+        title: &str,
+        plane: Option<&str>,
+        photons: Option<Vec<i64>>,
+    ) -> PyResult<String> {
         let plane = plane.map(str::parse::<LayoutPlane>).transpose().map_err(bad_value)?;
         let DetectorParts { detector, evaluator, .. } = &*self.detector;
         let draw = || {
+            let chosen: Option<HashSet<i64>> = photons.map(|own| own.into_iter().collect());
+            let chosen = chosen.map(|own| {
+                let mut histories = Histories::default();
+                let steps = self.histories.steps.iter().filter(|row| own.contains(&row.photon));
+                histories.steps = steps.copied().collect();
+                histories
+            });
+            let histories = chosen.as_ref().unwrap_or(&self.histories);
             let layout = OpticalLayout::of_light(
                 evaluator,
                 |region| detector.medium(region),
-                self.histories.to_segments(),
+                histories.to_segments(),
                 plane,
             );
-            let points = self.histories.detections().map(|row| row.position);
+            let points = histories.detections().map(|row| row.position);
             let sensors = detector.sensors().map(|(region, _)| region);
             layout
                 .map(|layout| layout.with_sensors(sensors).with_marks("detected", points).to_svg(title, "mm"))

@@ -88,10 +88,10 @@ impl PyPhotonRun {
         is_dark(&self.ends)
     }
 
-    /// Remarks about the run: with a number of probable mistakes in the detector, that about a run without hits, and that about
-    /// photons stopped by the limit of steps.
-    #[pyo3(signature = (mistakes = None))]
-    fn notes(&self, mistakes: Option<usize>) -> Vec<String> {
+    /// Remarks about the run: with a number of probable mistakes in the detector, that about a run without hits; and that about
+    /// photons stopped by the limit of steps, also if they are `few`.
+    #[pyo3(signature = (mistakes = None, *, few = true))]
+    fn notes(&self, mistakes: Option<usize>, few: bool) -> Vec<String> {
         let terms = RemarkTerms {
             check: "`check()` of the detector",
             findings: "",
@@ -99,7 +99,8 @@ impl PyPhotonRun {
             max_steps: "max_steps",
         };
         let dark = mistakes.map(|mistakes| terms.no_hits(&self.ends, mistakes));
-        dark.into_iter().chain(terms.mostly_stopped(&self.ends)).collect()
+        let stopped = if few { terms.stopped(&self.ends) } else { terms.mostly_stopped(&self.ends) };
+        dark.into_iter().chain(stopped).collect()
     }
 
     /// The detected photons.

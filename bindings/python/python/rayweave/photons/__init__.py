@@ -11,7 +11,7 @@ Lengths are in mm, times in ns, energies in eV and wavelengths in nm.
 
 from rayweave.photons._compare import Bin, Comparison, FirstDifference, Quantity, compare
 from rayweave.photons._detector import Detector, Findings, Material, Property, ScintillationComponent, Surface, load, loads
-from rayweave.photons._run import Histories, Hits, Run, Sequences
+from rayweave.photons._run import Histories, History, Hits, Run, Sequences
 from rayweave.photons._sources import (
     Source,
     disc,
@@ -33,6 +33,7 @@ __all__ = [
     "Findings",
     "FirstDifference",
     "Histories",
+    "History",
     "Hits",
     "Material",
     "Property",

@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave._drawing import Drawing
 from rayweave._progress import Progress, callback, reporter
+from rayweave._table import counted
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import real, unknown, whole
-from rayweave.photons._run import Run
+from rayweave.photons._run import Hits, Run
 from rayweave.photons._sources import Source
 from rayweave.photons._tables import SurfaceTables
 
@@ -100,8 +101,19 @@ class _Described:
     constants: Mapping[str, float] = field(repr=False)
     """The constant properties, by their names in GDML files."""
 
+    def __str__(self) -> str:
+        """The properties with their ranges, and the constants."""
+        lines = [f"{type(self).__name__} {self.name}"]
+        for name, own in self.properties.items():
+            low, high = (f"{end:.6g}" for end in (own.values.min(), own.values.max()))
+            values = (low if low == high else f"{low} to {high}") + (f" {own.unit}" if own.unit else "")
+            nm = own.wavelength_nm
+            lines.append(f"  {name}: {values}, {nm.min():.6g} to {nm.max():.6g} nm, {counted(nm.size, 'point')}")
+        lines += [f"  {name}: {value:.6g}" for name, value in self.constants.items()]
+        return "\n".join(lines)
+
     def plot(self) -> Drawing:
-        """The properties by wavelength, each in a panel of its own."""
+        """The properties by wavelength, each in a panel of its own; positive values of more than three decades on a logarithmic axis."""
         return _plot(self.name, self.properties.values())
 
 
@@ -114,6 +126,11 @@ class Material(_Described):
     >>> crystal = detector.material("Crystal")
     >>> crystal.absorption_length.unit, float(crystal.absorption_length.values[0])
     ('mm', 400.0)
+    >>> print(crystal)
+    Material Crystal
+      RINDEX: 1.79, 309.96 to 826.561 nm, 2 points
+      GROUPVEL: 167.482 mm/ns, 309.96 to 826.561 nm, 2 points
+      ABSLENGTH: 400 mm, 309.96 to 826.561 nm, 2 points
     """
 
     @property
@@ -375,21 +392,45 @@ class Detector:
         """
         first, last = self._numbers(source, n, range)
         settings = _settings(seed, event, detect, max_steps, max_time, wls_time_profile, record, threads, device)
-        self.check_source(source, seed=seed, event=event)
+        start = self.check_source(source, seed=seed, event=event)
         run = self._run(source, (first, last), settings, progress)
+        notes = [start] if start else []
+        doubts = notes.copy()
         # a lower limit of steps is a choice
-        run.notes = self._notes(run) if max_steps >= _MAX_STEPS else ()
-        for note in run.notes:
+        if max_steps >= _MAX_STEPS:
+            mistakes = self._mistakes(run)
+            notes += run.compiled.notes(mistakes)
+            doubts += run.compiled.notes(mistakes, few=False)
+        run.notes = tuple(notes)
+        for note in doubts:
             warnings.warn(note, stacklevel=2)
         return run
 
-    def _notes(self, run: Run) -> tuple[str, ...]:
-        """Sentences about a run that probably does not answer the question of its user."""
-        mistakes = None
+    def _mistakes(self, run: Run) -> int | None:
+        """The number of probable mistakes in the detector, for a run that has many photons and no hits."""
         # a world without sensors detects nothing
-        if run.compiled.is_dark and run.hits.sensor_paths:
-            mistakes = sum(kind == "optical" for kind, _, _ in self.compiled.findings())
-        return tuple(run.compiled.notes(mistakes))
+        if not run.compiled.is_dark or not run.hits.sensor_paths:
+            return None
+        return sum(kind == "optical" for kind, _, _ in self.compiled.findings())
+
+    def read_hits(self, path: str | PathLike[str]) -> Hits:
+        """Reads a table of hits of this detector that `Hits.save`, the command `rayweave photons` or `rayweave merge` wrote: .csv, or
+        .npy with the file of names beside it.
+
+        >>> import rayweave.photons as rp
+        >>> detector = rp.load("bar.gdml")
+        >>> run = detector.simulate(rp.point([0, 0, 0], 550), n=1000)
+        >>> run.hits.save("hits.npy")
+        >>> detector.read_hits("hits.npy") == run.hits
+        True
+        """
+        file = Path(path)
+        if file.suffix.lower() == ".parquet":
+            raise _core.RayweaveError(
+                f"{file} cannot be read as hits: they are read from .csv and .npy. "
+                "Read it by pandas.read_parquet, or save the hits as .npy."
+            )
+        return Hits(self.compiled.read_hits(file), self.name)
 
     def stream(
         self,
@@ -420,7 +461,9 @@ class Detector:
         first, last = self._numbers(source, n, range)
         size = whole(chunk, "chunk", least=1)
         settings = _settings(seed, event, detect, max_steps, max_time, wls_time_profile, record, threads, device)
-        self.check_source(source, seed=seed, event=event)
+        start = self.check_source(source, seed=seed, event=event)
+        if start:
+            warnings.warn(start, stacklevel=2)
         return self._stream(source, (first, last), size, settings, progress)
 
     def _stream(

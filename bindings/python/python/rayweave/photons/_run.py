@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._drawing import Drawing
@@ -164,7 +165,7 @@ class Hits(_Named):
         of all hits as seen from the origin, in hits per steradian, or with a marker for each sensor if all are small as seen from
         there and `bins` is not given. `scale="log"` shows sensors with few hits beside those with many; cells without hits are then
         grey. `bins` is the number of cells along the longer side of each map
-        (for "sphere", along the polar angle, and twice as many along the azimuth); by default it is chosen for about 100 hits in a
+        (for "sphere", along the polar angle, and twice as many along the azimuth); by default it is chosen for about 10 hits in a
         cell, from 4 to 64. The cells divide the extent of the sensor in both coordinates; sensors of equal size have equal cells."""
         cells = None if bins is None else whole(bins, "bins", least=1, bits=10)
         return Drawing(self._compiled.map_svg(self._title, cells, plane, scale))
@@ -295,12 +296,12 @@ class Histories(_Named):
         """The sequences of flags; empty in a record of counts."""
         return Sequences(*self._compiled.sequences())
 
-    def of(self, photon: int) -> Columns:
+    def of(self, photon: int) -> History:
         """The rows of one photon, with the names of processes, volumes and surfaces."""
         self._require_steps()
         rows = np.flatnonzero(self["photon"] == photon)
         columns = {name: self.named(name)[rows] if name in self.names else self[name][rows] for name in self}
-        return Columns(columns, self.units)
+        return History(columns, self.units, self, int(photon))
 
     def save(self, path: str | PathLike[str]) -> None:
         """Writes the table of steps of the command `rayweave photons`, complete or not at all: .csv, .npy (with a table of
@@ -308,19 +309,54 @@ class Histories(_Named):
         self._require_steps()
         _save(self, self._compiled, path)
 
-    def plot(self, plane: str | None = None) -> Drawing:
+    def plot(self, plane: str | None = None, *, photons: ArrayLike | None = None) -> Drawing:
         """The tracks in a section of the detector: lines coloured by wavelength, and a circle where a photon is detected.
 
-        `plane` is "yz", "xz", "xy", or a position along an axis such as "x=2.5"; by default the plane nearest to the tracks. Record the
-        steps of a few hundred photons for a legible drawing.
+        `plane` is "yz", "xz", "xy", or a position along an axis such as "x=2.5"; by default the plane nearest to the tracks. `photons`
+        are the numbers of the photons to draw, by default all: `photons=run.hits.photon` draws the detected ones. A few hundred
+        tracks make a legible drawing.
         """
         self._require_steps()
-        return Drawing(self._compiled.tracks_svg(self._title, plane))
+        if photons is None:
+            return Drawing(self._compiled.tracks_svg(self._title, plane))
+        numbers = np.atleast_1d(np.asarray(photons))
+        if numbers.dtype.kind not in "iu" and numbers.size:
+            raise TypeError(f"photons has the type {numbers.dtype}: it must be an array of whole numbers.")
+        missing = np.setdiff1d(numbers, self["photon"])
+        if missing.size:
+            raise _core.RayweaveError(
+                f"photons has {missing[0]}: the histories have no such photon. Select from their column `photon`."
+            )
+        return Drawing(self._compiled.tracks_svg(self._title, plane, numbers.tolist()))
 
     def _require_steps(self) -> None:
         if self.rows == 0 and sum(self.processes.values()) > 0:
             reason = "the run recorded sequences or counts alone"
             raise _core.RayweaveError(f'the histories have no steps: {reason}. Simulate with record="steps".')
+
+
+class History(Columns):
+    """The history of one photon: the rows of `Histories`, with the names of processes, volumes and surfaces.
+
+    >>> import rayweave.photons as rp
+    >>> detector = rp.load("bar.gdml")
+    >>> run = detector.simulate(rp.point([0, 0, 0], 550), n=100, record="steps")
+    >>> history = run.histories.of(0)
+    >>> history.process[0]
+    'emission'
+    >>> history.plot("yz").save("photon.svg")
+    """
+
+    def __init__(
+        self, columns: Mapping[str, ArrayLike], units: Mapping[str, str], histories: Histories, photon: int
+    ) -> None:
+        super().__init__(columns, units)
+        self._histories = histories
+        self._photon = photon
+
+    def plot(self, plane: str | None = None) -> Drawing:
+        """The tracks of the photon in a section of the detector, as `Histories.plot` draws them."""
+        return self._histories.plot(plane, photons=[self._photon])
 
 
 class Run:
@@ -346,8 +382,9 @@ class Run:
         self.hits = Hits(compiled.hits, title)
         """The detected photons."""
         self.notes: tuple[str, ...] = ()
-        """Sentences about a run of `simulate` without hits in a detector with sensors, or whose photons are mostly stopped by the limit
-        of steps; `simulate` also issues them as warnings. None for runs with a limit below the default."""
+        """Sentences about a run of `simulate`: a part of the source is outside the world or in a material without RINDEX; and, unless
+        the limit of steps is below the default, no hits in a detector with sensors, and photons stopped by the limit of steps.
+        `simulate` also issues them as warnings, except that about stopped photons if they are at most half of all."""
         self._histories = None if compiled.histories is None else Histories(compiled.histories, title)
 
     @property
