@@ -58,7 +58,11 @@ fn properties_with_a_value_and_no_matrix_are_named() {
         let surface = format!(
             "<opticalsurface name=\"o\" model=\"glisur\" finish=\"polished\" type=\"dielectric_metal\" value=\"1\">{property}</opticalsurface>"
         );
-        read(&model("<matrix name=\"T\" coldim=\"1\" values=\"7*ns\"/>", &(SOLIDS.to_owned() + &surface), &world("", "")))
+        read(&model(
+            "<matrix name=\"T\" coldim=\"1\" values=\"7*ns\"/>",
+            &(SOLIDS.to_owned() + &surface),
+            &world("", ""),
+        ))
     };
     says(
         &with("<property name=\"WLSTIMECONSTANT\" value=\"7 * ns\"/>"),
