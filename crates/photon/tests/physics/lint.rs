@@ -66,6 +66,8 @@ fn a_scintillator_needs_a_resolution_scale_in_geant4() {
     // what the check asks for is not reported as unused
     let names = ["RESOLUTIONSCALE", "SCINTILLATIONYIELD"];
     let inner = format!(r#"{inner}<property name="SCINTILLATIONYIELD" ref="ONE"/>"#);
+    let inner = inner.replace(r#"ref="ONE""#, r#"ref="SCALE""#);
+    let matrices = r#"<matrix name="SCALE" coldim="1" values="1"/>"#;
     let complete = findings(&SlabDetector { inner: &inner, matrices, ..CLEAR }.text());
     assert!(
         complete.iter().all(|own| names.iter().all(|name| !own.to_string().contains(name))),
@@ -77,7 +79,7 @@ fn a_scintillator_needs_a_resolution_scale_in_geant4() {
 /// Geant4 11.4.1 stops with the fatal exception mat202 in these materials, when the process acts on a photon.
 #[test]
 fn processes_need_their_constants_in_geant4() {
-    let matrices = r#"<matrix name="ONE" coldim="1" values="1"/>"#;
+    let matrices = r#"<matrix name="SCALE" coldim="1" values="1"/>"#;
     let shifter = r#"<property name="RINDEX" ref="GLASS"/><property name="WLSABSLENGTH" ref="HALF"/><property name="WLSCOMPONENT" ref="HALF"/>"#;
     let scattering = r#"<property name="RINDEX" ref="GLASS"/><property name="MIEHG" ref="HALF"/>"#;
     for (inner, needed) in [
@@ -85,7 +87,7 @@ fn processes_need_their_constants_in_geant4() {
         (scattering, &["MIEHG_FORWARD_RATIO", "MIEHG_FORWARD", "MIEHG_BACKWARD"]),
     ] {
         let stated: String =
-            needed.iter().map(|name| format!(r#"<property name="{name}" ref="ONE"/>"#)).collect();
+            needed.iter().map(|name| format!(r#"<property name="{name}" ref="SCALE"/>"#)).collect();
         let complete = format!("{inner}{stated}");
         for (inner, count) in [(inner, 1), (complete.as_str(), 0)] {
             let all = findings(&SlabDetector { inner, matrices, ..CLEAR }.text());
