@@ -54,8 +54,8 @@ fn a_sensor_with_few_hits_does_not_set_the_scale() {
     let single = &drawing[drawing.find(">d<").unwrap()..];
     assert!([">28<", ">30<", ">32<"].iter().all(|tick| single.matches(tick).count() == 2), "{single}");
     assert!(drawing.contains("class=\"outline\""));
-    // sensors of equal size have equal cells: 4 by 4 of a tile, and 1 by 1 if there is only one hit; they come before the title
-    assert_eq!(cells(&drawing[drawing.find(">c<").unwrap()..drawing.find(">d<").unwrap()]), 16);
+    // sensors of equal size have equal cells: 6 by 6 of a tile, for some 10 of its 400 hits in each, and 1 by 1 if there is only one hit; they come before the title
+    assert_eq!(cells(&drawing[drawing.find(">c<").unwrap()..drawing.find(">d<").unwrap()]), 36);
     let alone = HitPositions { sensors: &[3], positions: [&x[525..], &y[525..], &z[525..]], ..known };
     assert_eq!(cells(&hit_maps_svg(alone, "a", "mm")), 1);
     // about 10 hits in a cell
@@ -176,8 +176,8 @@ fn cells_fit_the_sensors() {
     let drawing = hit_maps_svg(hits, "a", "mm");
     assert!(drawing.contains("2801 hits of 8 of 9 sensors"), "{drawing}");
     let end = drawing.find(">all sensors<").unwrap();
-    // 4 by 4 cells of each tile, also of the one without hits
-    assert_eq!(cells(&drawing[..end]), 9 * 16);
+    // 6 by 6 cells of each tile, also of the one without hits
+    assert_eq!(cells(&drawing[..end]), 9 * 36);
     let coordinates = |name: &str| {
         let line = drawing.lines().find(|line| line.contains(&format!(">{name}<"))).unwrap();
         let number = |key: &str| line.split(key).nth(1).unwrap().split('"').next().unwrap().parse::<f64>();
@@ -189,7 +189,8 @@ fn cells_fit_the_sensors() {
     assert!(above[0] == origin[0] && above[1] < origin[1], "{origin:?} {above:?}");
     assert_eq!(place(8), [place(2)[0], place(6)[1]]);
     // on a logarithmic scale, the single hit has the darkest colour, and cells without hits are grey
-    let log = hit_maps_svg(HitPositions { scale: MapScale::Logarithmic, ..hits }, "a", "mm");
+    let log = HitPositions { scale: MapScale::Logarithmic, cells: Some(4), ..hits };
+    let log = hit_maps_svg(log, "a", "mm");
     let of = |fill: &str| -> usize {
         let paths = log[..log.find(">all sensors<").unwrap()].lines().filter(|line| line.contains(fill));
         paths.map(|line| line.matches('Z').count()).sum()
