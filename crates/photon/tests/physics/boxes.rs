@@ -145,3 +145,39 @@ fn thin_gaps_below_the_margin() {
         assert_equal_runs(&[bar, sensor], &PLACES[..2]);
     }
 }
+
+/// Photons that leave a copy for the next one of the same volume, across a gap of rounding errors, do not stop there.
+#[test]
+fn turned_copies_that_touch() {
+    let copy = |k: u32| {
+        format!(
+            r#"<physvol name="b{k}"><volumeref ref="Bead"/><position name="p{k}" x="{}" y="70.9" z="5.3" unit="mm"/></physvol>"#,
+            30.1 + 20.3 * f64::from(k)
+        )
+    };
+    let copies: String = (0..4).map(copy).collect();
+    let text = format!(
+        r#"<gdml><define><matrix name="ONE" coldim="2" values="1*eV 1 10*eV 1"/>
+<matrix name="GLASS" coldim="2" values="1*eV 1.5 10*eV 1.5"/></define>
+<materials><element name="H" Z="1"><atom value="1"/></element>
+<material name="Air"><D value="1"/><fraction n="1" ref="H"/><property name="RINDEX" ref="ONE"/></material>
+<material name="Glass"><D value="1"/><fraction n="1" ref="H"/><property name="RINDEX" ref="GLASS"/></material></materials>
+<solids><box name="WorldBox" x="900" y="900" z="900" lunit="mm"/><box name="FrameBox" x="500" y="400" z="300" lunit="mm"/>
+<box name="BeadBox" x="20.3" y="20.3" z="20.3" lunit="mm"/></solids>
+<structure><volume name="Bead"><materialref ref="Glass"/><solidref ref="BeadBox"/></volume>
+<volume name="Frame"><materialref ref="Air"/><solidref ref="FrameBox"/>{copies}</volume>
+<volume name="World"><materialref ref="Glass"/><solidref ref="WorldBox"/><physvol name="f"><volumeref ref="Frame"/>
+<position name="pf" x="37.7" y="-20.9" z="11.3" unit="mm"/><rotation name="r" x="25" y="40" z="10" unit="deg"/></physvol>
+</volume></structure><setup name="Default" version="1.0"><world ref="World"/></setup></gdml>"#
+    );
+    let detector = crate::detector(&text).unwrap();
+    let program = detector.program();
+    let source = photons(4000, [95.0, 60.0, 30.0]);
+    let settings = RunSettings { max_steps: 20, ..RunSettings::new(0..4000) };
+    let own = simulate(&detector, &Packets::new(program.clone()), &source, &settings).unwrap();
+    let expected = simulate(&detector, &Weave::new(program.clone()), &source, &settings).unwrap();
+    assert!(own.steps > 8000, "{}", own.steps);
+    assert_eq!(own, expected);
+    let same = rayweave_photon::BoundaryEvent::SameMaterial;
+    assert_eq!(own.boundary_events.get(&same), None, "a stop between two copies");
+}

@@ -56,7 +56,8 @@ impl Objects {
         let next = later.first().map_or(f64::INFINITY, |end| end.t).min(horizon);
         let before = first.before.0[lane];
         // a solid that begins at the time of the exit is included in the region after it
-        let owns = if enters.t == a { region == after && region != before } else { region > after };
+        // the exit into another copy of the region that the ray is in is no crossing
+        let owns = region != before && if enters.t == a { region == after } else { region > after };
         let is_another = enters.is_first && enters.is_entry;
         if !is_exit || !is_another || !owns || enters.t >= next {
             return None;
