@@ -1,16 +1,11 @@
 //! Times in double precision on devices that have it: the tables of surfaces and maps with the numbers of the CPU.
 
+use crate::codes::{CYLINDER, OTHER, PLANE, SPHERE};
 use crate::frame::Sender;
 use crate::layout::Layout;
 use rayweave_model::{PlacementId, Program};
 use rayweave_shape::surface::Surface;
 use std::collections::HashMap;
-
-/// Kinds of surfaces whose times the device computes; the number is the case in the shader. The CPU computes those of others.
-const OTHER: u32 = 0;
-const PLANE: u32 = 1;
-const SPHERE: u32 = 2;
-const CYLINDER: u32 = 3;
 
 /// The tables for times in double precision.
 #[derive(Clone, Debug, Default)]

@@ -1,5 +1,6 @@
 //! The tables of a program in the memory of the device.
 
+use crate::codes::{ITEM, NONE};
 use crate::error::Unsupported;
 use crate::flat::{
     Atom, Flat, FlatFacet, FlatFrame, FlatGate, MOST_NODES, Operand, Tori, has_kernel, is_torus,
@@ -11,9 +12,6 @@ use rayweave_math::{Affine, Bounds, Mat3, UNIT_ROUNDOFF, Vec3, any_perpendicular
 use rayweave_model::{Face, LeafId, PlacementId, Program, PrototypeId, Rule};
 use rayweave_shape::surface::Surface;
 use std::collections::HashMap;
-
-/// "None" in tables.
-pub(crate) const NONE: u32 = u32::MAX;
 
 /// A bit of the keys of second chords: they are not crossed at the time of the first.
 const SECOND: u32 = 1 << 29;
@@ -394,7 +392,7 @@ impl Builder {
                         depths[inner as usize] = depths[number] + 1;
                         inner
                     }
-                    FlatChild::Item(place) => 1 << 31 | place,
+                    FlatChild::Item(place) => ITEM | place,
                 };
             }
             let [a, b, c, d, e, f, g, h] = children;

@@ -11,6 +11,7 @@
 
 mod adapter;
 mod carrier;
+mod codes;
 mod double;
 mod error;
 mod evaluator;

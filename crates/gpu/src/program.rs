@@ -1,6 +1,7 @@
 //! A program on a GPU: nearest crossings with the answers of the CPU.
 
 use crate::adapter::Adapter;
+use crate::codes::{COMPLETED, DISTANT, FACET_BITS, MISS, PASSES, UNCERTAIN};
 use crate::double::Doubles;
 use crate::error::{GpuError, Unsupported};
 use crate::flat::{Flat, MOST_NODES, Tori};
@@ -34,17 +35,6 @@ const FEWEST_RAYS: usize = 1 << 14;
 
 /// Threads per core: while one waits for the device, another prepares or completes a batch.
 const THREADS_PER_CORE: NonZeroUsize = NonZeroUsize::new(2).unwrap();
-
-/// Bits of the first word of an answer.
-const UNCERTAIN: u32 = 1 << 31;
-const MISS: u32 = 1 << 30;
-const SHARED: u32 = 1 << 29;
-const COMPLETED: u32 = 1 << 27;
-const FACET: u32 = COMPLETED - 1;
-
-/// The second word of an answer without a crossing from a kernel that takes rays in double precision.
-const PASSES: u32 = 1;
-const DISTANT: u32 = 2;
 
 /// Interval, in rays, at which the CPU computes a time of the device again.
 const CHECKED: usize = 256;
@@ -417,7 +407,7 @@ impl GpuProgram {
         k: usize,
         (answer, t): (&Answer, f64),
     ) -> Option<()> {
-        let facet = (answer[0] & FACET) as usize;
+        let facet = (answer[0] & FACET_BITS) as usize;
         let &(number, placement) = self.labels.get(facet)?;
         let placement = placement + self.layout.placements.get(answer[1] as usize)?;
         let region = |number: u32| self.layout.regions.get(number as usize).copied();
@@ -440,7 +430,7 @@ impl GpuProgram {
 
     /// The crossing that an answer predicts, with the time of the CPU's kernel; `None` if that has no such root.
     fn polished(&self, ray: &Ray, answer: &Answer, clock: Clock) -> Option<Crossing> {
-        let face = *self.layout.faces.get((answer[0] & FACET) as usize)?;
+        let face = *self.layout.faces.get((answer[0] & FACET_BITS) as usize)?;
         let placement = PlacementId(face.placement.0 + self.layout.placements.get(answer[1] as usize)?);
         let face = Face { placement, ..face };
         let region = |number: u32| self.layout.regions.get(number as usize).copied().map(RegionId);

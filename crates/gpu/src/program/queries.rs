@@ -1,6 +1,7 @@
 //! Queries other than the nearest crossing from t = 0: windows, all crossings, and the regions of points.
 
-use super::{GpuProgram, GpuReport, SHARED, UNCERTAIN, Worker};
+use super::{GpuProgram, GpuReport, Worker};
+use crate::codes::{MORE, SHARED, UNCERTAIN};
 use crate::error::GpuError;
 use crate::frame::{Clock, Route, Sender};
 use crate::kernel::{Answer, Kernel};
@@ -13,9 +14,6 @@ use rayweave_shape::Ray;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::{Arc, PoisonError};
-
-/// The bit of the first word of an answer for a ray with more crossings than rows.
-const MORE: u32 = 1 << 28;
 
 /// The direction of the rays that start at the points of a query for regions. Any is valid; this unit vector is parallel to no
 /// axis, diagonal or coordinate plane, along which models have most of their faces.

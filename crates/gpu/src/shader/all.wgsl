@@ -1,7 +1,5 @@
 // Up to MOST crossings of each ray: a row with their number and the region at the start, then the crossings.
 const MOST: u32 = @MOST@;
-// There are more.
-const MORE: u32 = 0x10000000u;
 
 fn answer(i: u32) {
     let r = ray_of(i);

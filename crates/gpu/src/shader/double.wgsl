@@ -24,9 +24,6 @@ fn line_of(i: u32) -> Line {
     );
 }
 
-const PASSES: u32 = 1u;
-const DISTANT: u32 = 2u;
-
 // A ray in the frame of the model, as `Sender::send`; device times t are times `shift + t * rate`.
 struct Sent {
     ray: Ray,
@@ -150,16 +147,12 @@ fn times_of(facet: vec4u, line: Line, maps: u32, count: u32) -> Times {
         return Times(0u, 0.0lf, 0.0lf);
     }
     switch facet.x {
-        case 1u: { return plane_times(facet.y, l); }
-        case 2u: { return sphere_times(facet.y, l); }
-        case 3u: { return cylinder_times(facet.y, l); }
+        case PLANE: { return plane_times(facet.y, l); }
+        case SPHERE: { return sphere_times(facet.y, l); }
+        case CYLINDER: { return cylinder_times(facet.y, l); }
         default: { return Times(0u, 0.0lf, 0.0lf); }
     }
 }
-
-// The row has the time of the CPU.
-const COMPLETED: u32 = 0x08000000u;
-const FACET_BITS: u32 = 0x07ffffffu;
 
 // An answer, with the time of the root near the predicted one if there is only one such root.
 fn completed_row(i: u32, row: vec4u, line: Line, sent: Sent) -> vec4u {

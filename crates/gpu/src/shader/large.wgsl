@@ -85,7 +85,7 @@ fn find(r: Ray, start: vec2f) -> Found {
         var next = vec2u(0u, bitcast<u32>(from_.x));
         loop {
             // inner nodes up to the next leaf, so that the rays of a subgroup reach their leaves at the same time
-            while next.x < 0x80000000u {
+            while next.x < ITEM {
                 next = descended(next.x, r, inverse, from_.x, best.hi);
                 if next.x == NONE {
                     next = popped(best.hi);
@@ -94,7 +94,7 @@ fn find(r: Ray, start: vec2f) -> Found {
             if next.x == NONE {
                 break;
             }
-            let number = next.x & 0x7fffffffu;
+            let number = next.x ^ ITEM;
             let row = tables[params.items + number];
             var local = r;
 @PLACED_ITEM@

@@ -1,5 +1,6 @@
 //! The shader of a program: templates, specialised for what the program needs.
 
+use crate::codes::declarations;
 use crate::double::Doubles;
 use crate::frame::{MOST_TOLERANCE, NEAR, TOLERANCE};
 use crate::layout::{Kind, Layout};
@@ -68,6 +69,7 @@ pub(crate) fn source(layout: &Layout, entry: Entry, doubles: Option<&Doubles>) -
     let rows = |count: Option<usize>| count.unwrap_or(1).max(1).to_string();
     let number = |x: f64| format!("{x:?}");
     let replacements = [
+        ("@SHARED@", declarations()),
         ("@KINDS@\n", cases(layout)),
         ("@WALK@", walk(layout)),
         ("@GROUP@", (if layout.is_simple { "row.w" } else { "row.x" }).to_owned()),

@@ -11,7 +11,7 @@ const TINY: f32 = 1e-30;
 const BIG: f32 = 1e30;
 // the interval of times in which a surface has to be known, in units of the model's size
 const FAR: f32 = 8.0;
-const NONE: u32 = 0xffffffffu;
+@SHARED@
 const UNKNOWN: u32 = 3u;
 
 struct Ray {

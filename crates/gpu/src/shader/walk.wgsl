@@ -63,7 +63,7 @@ fn roots_of(facet: vec4u, r: Ray) -> Roots {
     let kind = facet.y >> 1u;
     var roots = unknown();
     switch kind {
-        case 1u: { roots = plane(facet.x, r); }
+        case PLANE: { roots = plane(facet.x, r); }
 @KINDS@
         default: {}
     }
@@ -207,12 +207,6 @@ fn window_start(start: f32) -> vec2f {
     early = t < -FAR;
     return vec2f(t - 4.0 * EPS * abs(t), t + 4.0 * EPS * abs(t));
 }
-
-const UNCERTAIN: u32 = 0x80000000u;
-const MISS: u32 = 0x40000000u;
-
-// More than one leaf changes at the crossing.
-const SHARED: u32 = 0x20000000u;
 
 struct Found {
     change: Change,

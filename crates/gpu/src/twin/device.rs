@@ -18,6 +18,7 @@ fn source(change: impl Fn(String) -> String) -> String {
     let functions =
         [include_str!("../shader/surfaces.wgsl"), include_str!("../shader/torus.wgsl")].join("\n");
     let replacements = [
+        ("@SHARED@", crate::codes::declarations()),
         ("@ROOM@", format!("{room:?}")),
         ("@STEP@", format!("{step:?}")),
         ("@DIRECTION_ERROR@", format!("{:?}", super::DIRECTION_ERROR)),
