@@ -35,9 +35,10 @@ shared! {
     PASSES = 1;
     DISTANT = 2;
 
-    /// Kinds of surfaces.
+    /// Kinds of surfaces; the last one is the ball around a leaf that has others.
     OTHER = Kind::Other as u32;
     PLANE = Kind::Plane as u32;
     SPHERE = Kind::Sphere as u32;
     CYLINDER = Kind::Cylinder as u32;
+    BALL = Kind::Ball as u32;
 }

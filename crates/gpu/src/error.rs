@@ -113,6 +113,12 @@ pub enum Unsupported {
     /// Region numbers have 16 bits on the device.
     #[error("it has more than 65534 regions")]
     Regions,
+    /// The device has a table of all pairs of volumes.
+    #[error("it has more than {limit} volumes")]
+    Pairs {
+        /// The greatest number.
+        limit: usize,
+    },
 }
 
 impl Classified for GpuError {

@@ -317,19 +317,22 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.finish(source)
     }
 
-    /// Continues photons, each with the surface on which it starts, and adds photons that have been detected, each with the region
+    /// Continues photons, each with the surfaces on which it starts, and adds photons that have been detected, each with the region
     /// and the face behind which it is. The result has no other counts than those of what happens here.
     #[cfg(feature = "gpu")]
     pub fn resume(
         &mut self,
         source: &Source,
-        flights: impl IntoIterator<Item = (Flight, Option<Start>)>,
+        flights: impl IntoIterator<Item = (Flight, impl IntoIterator<Item = Start>)>,
         detected: impl IntoIterator<Item = (Flight, (u32, Face))>,
     ) -> Result<PhotonRun, Shortage> {
         self.result = PhotonRun::default();
         self.clear(0);
-        for (Flight { origin, number, steps, region, photon }, start) in flights {
-            let place = self.lists.place(start.as_slice(), region, &self.detector.starts);
+        let mut list = Vec::new();
+        for (Flight { origin, number, steps, region, photon }, starts) in flights {
+            list.clear();
+            list.extend(starts);
+            let place = self.lists.place(&list, region, &self.detector.starts);
             self.is_on_surfaces |= !place.is_free();
             self.photons.push(photon);
             self.marks.push(Mark { number: self.numbers.add(origin, number), steps, place });

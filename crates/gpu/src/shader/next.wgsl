@@ -2,7 +2,11 @@
 //
 // Each event, an entry or exit of an atom, has the time that the CPU's kernel gives, and an interval around it. Outside of the
 // interval the line is farther from the surface than a thousand times the CPU's tolerance: no event there is welded, and the order of
-// two events with disjoint intervals is certain. Everything else is in doubt, and left to the CPU.
+// two events with disjoint intervals is certain. Events with overlapping intervals, such as those of faces that touch, are welded by
+// the rules of the CPU (`resolved`). Everything else is in doubt, and left to the CPU.
+//
+// The model is a union of items, each a small network over atoms. A point in several items belongs to the region of the one with the
+// highest priority.
 
 // exact: numbers; words: tables of atoms, facets, frames, gates and outputs
 @group(0) @binding(0) var<storage, read> exact: array<f64>;
@@ -10,16 +14,17 @@
 
 @VECTORS@
 
-const ATOMS: u32 = @ATOMS@;
-const GATES: u32 = @GATES@;
-const OUTPUTS: u32 = @OUTPUTS@;
+const ITEM_ROWS: u32 = @ITEM_ROWS@;
+const GROUP_ROWS: u32 = @GROUP_ROWS@;
 const ATOM_ROWS: u32 = @ATOM_ROWS@;
 const FACET_ROWS: u32 = @FACET_ROWS@;
 const FRAME_ROWS: u32 = @FRAME_ROWS@;
 const GATE_ROWS: u32 = @GATE_ROWS@;
-const OUTPUT_ROWS: u32 = @OUTPUT_ROWS@;
-// see the row of an atom
-const NO_FRAME: u32 = 0xffffffffu;
+const CHILDREN: u32 = @CHILDREN@;
+const REGION_OF: u32 = @REGION_OF@;
+const BOXES: u32 = @BOXES@;
+const STACK: u32 = @STACK@;
+@SHARED@
 const FAR: f64 = 1e300lf;
 
 const FOUND: u32 = 0u;
@@ -31,6 +36,10 @@ struct Next {
     route: u32,
     t: f64,
     facet: u32,
+    item: u32,
+    // the face of the region behind
+    entered_facet: u32,
+    entered_item: u32,
     before: u32,
     after: u32,
 }
@@ -200,12 +209,6 @@ fn cylinder_start(at: u32, l: Line, started_inside: bool, near: f64, facet: u32)
     return leaving(t, a, step, 2.0lf * near * (exact[at + 7u] + near), facet);
 }
 
-const PLANE: u32 = 1u;
-const SPHERE: u32 = 2u;
-const CYLINDER: u32 = 3u;
-// the ball around a leaf that has other surfaces
-const BALL: u32 = 4u;
-
 // In the ball the CPU decides. exact: centre, squared radius
 fn ball_part(at: u32, l: Line) -> Part {
     let square = dot(l.d, l.d);
@@ -219,22 +222,31 @@ fn ball_part(at: u32, l: Line) -> Part {
     return unknown_part(time - half, time + half);
 }
 
-// The row of a facet: kind, inside, numbers, key. A line that starts on a surface has `key * 2 + inside + 1` as its start.
-fn facet_part(facet: u32, l: Line, lengths: f64, start: u32) -> Part {
-    let row = FACET_ROWS + 4u * facet;
+// The word of the start list of a line for a surface, 0 if the line does not start on it: twice its key, plus 1, plus 1 on its inside.
+fn start_on(key: u32, starts: vec4u) -> u32 {
+    let same = ((starts - 1u) >> vec4u(1u)) == vec4u(key);
+    let found = select(vec4u(), starts, same);
+    return max(max(found.x, found.y), max(found.z, found.w));
+}
+
+// The row of a facet: kind, inside, numbers, key in the item, frame in the item.
+fn facet_part(facet: u32, own: Framed, first_key: u32, starts: vec4u) -> Part {
+    let row = FACET_ROWS + 5u * facet;
     let at = words[row + 2u];
     let inside = words[row + 1u] == 1u;
-    let started = start != 0u && (start - 1u) / 2u == words[row + 3u];
-    let side = ((start - 1u) & 1u) == 1u;
+    let start = start_on(first_key + words[row + 3u], starts);
+    let started = start != 0u;
+    let side = (start & 1u) == 0u;
+    let l = own.line;
     switch words[row] {
         case PLANE: {
             if started {
                 return plane_start(at, l, side, inside);
             }
-            return plane_part(at, l, near_of(lengths, exact[at + 4u]), inside, facet);
+            return plane_part(at, l, near_of(own.lengths, exact[at + 4u]), inside, facet);
         }
         case SPHERE: {
-            let near = near_of(lengths, exact[at + 5u]);
+            let near = near_of(own.lengths, exact[at + 5u]);
             if started {
                 return sphere_start(at, l, side, near, facet);
             }
@@ -244,7 +256,7 @@ fn facet_part(facet: u32, l: Line, lengths: f64, start: u32) -> Part {
             return ball_part(at, l);
         }
         default: {
-            let near = near_of(lengths, exact[at + 8u]);
+            let near = near_of(own.lengths, exact[at + 8u]);
             if started {
                 return cylinder_start(at, l, side, near, facet);
             }
@@ -256,6 +268,12 @@ fn facet_part(facet: u32, l: Line, lengths: f64, start: u32) -> Part {
 // A thousand times the tolerance of a surface.
 fn near_of(lengths: f64, magnitude: f64) -> f64 {
     return @TOLERANCE@lf * (lengths + magnitude);
+}
+
+// The magnitude of the surface of a facet.
+fn magnitude_of(facet: u32) -> f64 {
+    let row = FACET_ROWS + 5u * facet;
+    return exact[words[row + 2u] + select(select(8u, 5u, words[row] == SPHERE), 4u, words[row] == PLANE)];
 }
 
 fn largest64(v: vec3<f64>) -> f64 {
@@ -272,17 +290,16 @@ struct Framed {
     lengths: f64,
 }
 
-// The row of a frame: maps, number of maps, numbers of its lengths.
+// The row of a frame: maps, number of maps, numbers of its lengths. Behind each map are its norm and the length of its path.
+const MAP: u32 = 14u;
+
 fn framed(l: Line, frame: u32) -> Framed {
     let lengths = taxicab64(l.o) + @REACH@lf;
-    if frame == NO_FRAME {
-        return Framed(l, lengths);
-    }
     let row = FRAME_ROWS + 3u * frame;
     let at = words[row];
     var inner = l;
     for (var k = 0u; k < words[row + 1u]; k++) {
-        inner = moved(inner, at + 12u * k);
+        inner = moved(inner, at + MAP * k);
     }
     let own = words[row + 2u];
     return Framed(inner, exact[own] * lengths + exact[own + 1u]);
@@ -319,58 +336,100 @@ fn both(a: Part, b: Part) -> Part {
     return part;
 }
 
-fn operand(bits: u64, edge: u32) -> u32 {
-    return (u32((bits >> (edge >> 1u)) & 1lu)) ^ (edge & 1u);
+fn operand(bits: u64, edge: u32) -> bool {
+    return ((u32(bits >> (edge >> 1u)) ^ edge) & 1u) == 1u;
 }
 
-// The region of a point from the atoms that contain it: the last of the outputs.
-fn owner_of(atoms: u64) -> u32 {
+// True if a point is in a group, from the atoms that contain it. The row of a group: first atom, number of atoms, first gate, number
+// of gates, output.
+fn holds(group: u32, atoms: u64) -> bool {
     var bits = atoms;
-    for (var gate = 0u; gate < GATES; gate++) {
-        let row = GATE_ROWS + 3u * gate;
+    let count = words[group + 1u];
+    for (var gate = 0u; gate < words[group + 3u]; gate++) {
+        let row = GATE_ROWS + 3u * (words[group + 2u] + gate);
         let rule = words[row];
         let first = words[row + 1u];
-        var count = 0u;
+        var held = 0u;
         for (var k = 0u; k < words[row + 2u]; k++) {
-            count += operand(bits, words[first + k]);
+            held += select(0u, 1u, operand(bits, words[first + k]));
         }
-        let holds = select(count >= (rule >> 1u), (count & 1u) == 1u, (rule & 1u) == 1u);
-        bits |= u64(select(0u, 1u, holds)) << (ATOMS + gate);
-    }
-    for (var k = OUTPUTS; k > 0u; k--) {
-        if operand(bits, words[OUTPUT_ROWS + k - 1u]) == 1u {
-            return k;
+        if select(held >= (rule >> 1u), (held & 1u) == 1u, (rule & 1u) == 1u) {
+            bits |= 1lu << (count + gate);
         }
     }
-    return 0u;
+    return operand(bits, words[group + 4u]);
 }
 
-// The event with the earliest interval, and the start of the next one.
-struct First {
+// The side of an atom at a time, and its first event after it.
+struct Turn {
+    // true if the interval of an event contains the time
+    doubt: bool,
+    inside: bool,
+    // FAR without an event
     lo: f64,
     hi: f64,
     t: f64,
     facet: u32,
-    atom: u32,
     unclear: bool,
-    second: f64,
+    // the begin of the interval of the event after it
+    next: f64,
 }
 
-fn earlier(first: First, lo: f64, hi: f64, t: f64, facet: u32, atom: u32, unclear: bool) -> First {
-    if lo < first.lo {
-        return First(lo, hi, t, facet, atom, unclear, first.lo);
+fn turn_of(part: Part, time: f64) -> Turn {
+    var turn = Turn(false, false, FAR, FAR, FAR, 0u, false, FAR);
+    if part.empty {
+        return turn;
     }
-    var kept = first;
-    kept.second = min(kept.second, lo);
-    return kept;
+    if !(part.enter_hi < part.leave_lo) {
+        let hi = max(part.enter_hi, part.leave_hi);
+        if hi > time {
+            let lo = min(part.enter_lo, part.leave_lo);
+            turn = Turn(lo <= time, false, lo, hi, lo, 0u, true, FAR);
+        }
+        return turn;
+    }
+    if part.leave_hi <= time {
+        return turn;
+    }
+    if part.enter_hi <= time {
+        let doubt = part.leave_lo <= time;
+        let unclear = (part.unclear & 2u) != 0u;
+        if part.leave_lo < FAR {
+            return Turn(doubt, true, part.leave_lo, part.leave_hi, part.leave, part.leave_facet, unclear, FAR);
+        }
+        turn.inside = true;
+        return turn;
+    }
+    let doubt = part.enter_lo <= time;
+    let unclear = (part.unclear & 1u) != 0u;
+    return Turn(doubt, false, part.enter_lo, part.enter_hi, part.enter, part.enter_facet, unclear, part.leave_lo);
 }
 
-// The row of an atom: first facet, number of facets, frame, 1 if the atom is the outside of its facet, numbers of its box.
-fn atom_part(row: u32, own: Framed, start: u32) -> Part {
+// An item along a line. The row of an item: group, first frame, region, first key, number of its leaf.
+struct Seen {
+    row: u32,
+    group: u32,
+    frame: u32,
+    own: Framed,
+}
+
+fn seen(item: u32, line: Line) -> Seen {
+    let row = ITEM_ROWS + 5u * item;
+    let frame = words[row + 1u];
+    return Seen(row, GROUP_ROWS + 5u * words[row], frame, framed(line, frame));
+}
+
+// The part of a line in an atom, by the place of its row: first facet, number of facets, frame in the item, twice the number of its
+// leaf, plus 1 if the atom is the outside of its facet.
+fn atom_part(atom: u32, item: Seen, line: Line, starts: vec4u) -> Part {
+    var own = item.own;
+    if words[atom + 2u] != 0u {
+        own = framed(line, item.frame + words[atom + 2u]);
+    }
     var part = whole();
-    let first = words[row];
-    for (var k = 0u; k < words[row + 1u]; k++) {
-        part = both(part, facet_part(first + k, own.line, own.lengths, start));
+    let first = words[atom];
+    for (var k = 0u; k < words[atom + 1u]; k++) {
+        part = both(part, facet_part(first + k, own, words[item.row + 3u], starts));
         if part.empty {
             break;
         }
@@ -378,192 +437,301 @@ fn atom_part(row: u32, own: Framed, start: u32) -> Part {
     return part;
 }
 
-fn next_crossing(line: Line, start: u32) -> Next {
-    var next = Next(DOUBT, 0.0lf, 0u, 0u, 0u);
-    var after = 0.0lf;
-    for (var round = 0u; round < @ROUNDS@; round++) {
+// The first events of all items, in intervals that may overlap, and what is inside before them.
+struct Scan {
+    doubt: bool,
+    lo: f64,
+    hi: f64,
+    t: f64,
+    facet: u32,
+    item: u32,
+    unclear: bool,
+    // the begin of the interval of the next change
+    second: f64,
+    // the highest priority of the items around the point, the item, and the highest priority of the other ones
+    highest: u32,
+    holder: u32,
+    below: u32,
+}
+
+// The events of touching faces: time, leaf, facet, item, its priority, and whether it is inside before.
+const MOST: u32 = 6u;
+var<private> event_t: array<f64, MOST>;
+var<private> event_leaf: array<u32, MOST>;
+var<private> event_facet: array<u32, MOST>;
+var<private> event_item: array<u32, MOST>;
+var<private> event_priority: array<u32, MOST>;
+var<private> event_inside: array<bool, MOST>;
+var<private> events: u32;
+
+// Adds an event, in order of time and leaf.
+fn add_event(t: f64, leaf: u32, facet: u32, item: u32, priority: u32, inside: bool) {
+    var at = events;
+    while at > 0u && (event_t[at - 1u] > t || (event_t[at - 1u] == t && event_leaf[at - 1u] > leaf)) {
+        event_t[at] = event_t[at - 1u];
+        event_leaf[at] = event_leaf[at - 1u];
+        event_facet[at] = event_facet[at - 1u];
+        event_item[at] = event_item[at - 1u];
+        event_priority[at] = event_priority[at - 1u];
+        event_inside[at] = event_inside[at - 1u];
+        at -= 1u;
+    }
+    event_t[at] = t;
+    event_leaf[at] = leaf;
+    event_facet[at] = facet;
+    event_item[at] = item;
+    event_priority[at] = priority;
+    event_inside[at] = inside;
+    events += 1u;
+}
+
+// The first change of an item after a time.
+fn first_change(scan_: Scan, number: u32, line: Line, starts: vec4u, after: f64) -> Scan {
+    var scan = scan_;
+    let item = seen(number, line);
+    let atoms = words[item.group + 1u];
+    let first_atom = ATOM_ROWS + 4u * words[item.group];
+    let priority = words[item.row + 2u];
+    var time = after;
+    var is_inside = false;
+    for (var round = 0u; round < @EVENTS@; round++) {
         var bits = 0lu;
-        var first = First(FAR, FAR, FAR, 0u, 0u, true, FAR);
-        var frame = NO_FRAME;
-        var own = framed(line, NO_FRAME);
-        for (var atom = 0u; atom < ATOMS; atom++) {
-            let row = ATOM_ROWS + 5u * atom;
-            if words[row + 2u] != frame {
-                frame = words[row + 2u];
-                own = framed(line, frame);
+        var first = Turn(false, false, FAR, FAR, FAR, 0u, false, FAR);
+        var which = 0u;
+        var second = FAR;
+        for (var k = 0u; k < atoms; k++) {
+            let atom = first_atom + 4u * k;
+            let turn = turn_of(atom_part(atom, item, line, starts), time);
+            if turn.doubt {
+                scan.doubt = true;
+                return scan;
             }
-            let part = atom_part(row, own, start);
-            var inside = false;
-            if part.empty {
-            } else if !(part.enter_hi < part.leave_lo) {
-                let lo = min(part.enter_lo, part.leave_lo);
-                let hi = max(part.enter_hi, part.leave_hi);
-                if hi > after {
-                    if lo <= after {
-                        return next;
-                    }
-                    first = earlier(first, lo, hi, lo, 0u, atom, true);
+            if turn.inside != ((words[atom + 3u] & 1u) == 1u) {
+                bits |= 1lu << k;
+            }
+            if turn.lo < first.lo {
+                second = first.lo;
+                first = turn;
+                which = k;
+            } else {
+                second = min(second, turn.lo);
+            }
+        }
+        let inside = holds(item.group, bits);
+        if round == 0u {
+            is_inside = inside;
+            if inside && priority > scan.highest {
+                scan.below = scan.highest;
+                scan.highest = priority;
+                scan.holder = number;
+            } else if inside {
+                scan.below = max(scan.below, priority);
+            }
+        }
+        // later ones do not matter
+        if first.lo > scan.hi || first.lo == FAR {
+            return scan;
+        }
+        let unclear = first.unclear || second <= first.hi;
+        if unclear || holds(item.group, bits ^ (1lu << which)) != is_inside {
+            if first.lo < scan.lo {
+                scan.second = scan.lo;
+                scan.lo = first.lo;
+                scan.hi = first.hi;
+                scan.t = first.t;
+                scan.facet = first.facet;
+                scan.item = number;
+                scan.unclear = unclear;
+            } else {
+                scan.second = min(scan.second, first.lo);
+            }
+            return scan;
+        }
+        time = first.hi;
+    }
+    scan.doubt = true;
+    return scan;
+}
+
+// Adds the event of an item within the interval of the scan, which it enlarges.
+fn gather(scan_: Scan, number: u32, line: Line, starts: vec4u, after: f64) -> Scan {
+    var scan = scan_;
+    let item = seen(number, line);
+    let first_atom = ATOM_ROWS + 4u * words[item.group];
+    let priority = words[item.row + 2u];
+    var bits = 0lu;
+    var turning = 0u;
+    var which = 0u;
+    var found = Turn(false, false, FAR, FAR, FAR, 0u, false, FAR);
+    for (var k = 0u; k < words[item.group + 1u]; k++) {
+        let atom = first_atom + 4u * k;
+        let part = atom_part(atom, item, line, starts);
+        var turn = turn_of(part, after);
+        // events before the interval
+        for (var past = 0u; past < 2u && turn.hi < scan.lo && !turn.unclear; past++) {
+            turn = turn_of(part, turn.hi);
+        }
+        scan.doubt = scan.doubt || turn.doubt;
+        if turn.inside != ((words[atom + 3u] & 1u) == 1u) {
+            bits |= 1lu << k;
+        }
+        if turn.lo <= scan.hi {
+            scan.doubt = scan.doubt || turn.unclear || turning > 0u;
+            found = turn;
+            which = k;
+            turning += 1u;
+        }
+    }
+    let inside = holds(item.group, bits);
+    if turning == 1u && holds(item.group, bits ^ (1lu << which)) != inside {
+        scan.second = max(scan.second, found.hi);
+        // both events of an atom, or too many
+        if found.next <= max(scan.hi, found.hi) || events == MOST {
+            scan.doubt = true;
+            return scan;
+        }
+        var leaf = words[item.row + 4u];
+        if leaf == NONE {
+            leaf = words[first_atom + 4u * which + 3u] >> 1u;
+        }
+        add_event(found.t, leaf, found.facet, number, priority, inside);
+    } else if inside {
+        scan.highest = max(scan.highest, priority);
+    }
+    return scan;
+}
+
+// Subtrees yet to visit: node, or item with the highest bit set, and the time at which the line enters its box.
+var<private> stack: array<u32, STACK>;
+var<private> stack_time: array<f64, STACK>;
+
+fn reciprocal64(d: f64) -> f64 {
+    return 1.0lf / select(d, select(-1e-100lf, 1e-100lf, d >= 0.0lf), abs(d) < 1e-100lf);
+}
+
+// The region at a time and the first changes after it, or the events in an interval of times. Boxes are grown by far more than the
+// rounding of the slabs.
+fn scanned(line: Line, starts: vec4u, after: f64, begin: Scan, gathers: bool) -> Scan {
+    var scan = begin;
+    let inverse = vec3<f64>(reciprocal64(line.d.x), reciprocal64(line.d.y), reciprocal64(line.d.z));
+    var depth = 0u;
+    var next = 0u;
+    loop {
+        if next >= ITEM && next != NONE {
+            if gathers {
+                scan = gather(scan, next ^ ITEM, line, starts, after);
+            } else {
+                scan = first_change(scan, next ^ ITEM, line, starts, after);
+            }
+            if scan.doubt {
+                return scan;
+            }
+            next = NONE;
+        } else if next != NONE {
+            let node = next;
+            var time = FAR;
+            next = NONE;
+            for (var k = 0u; k < 8u; k++) {
+                let child = words[CHILDREN + 8u * node + k];
+                if child == NONE {
+                    break;
                 }
-            } else if part.leave_hi > after {
-                if part.leave_lo <= after {
-                    return next;
+                let at = BOXES + 48u * node + k;
+                let a = (vec3<f64>(exact[at], exact[at + 8u], exact[at + 16u]) - line.o) * inverse;
+                let b = (vec3<f64>(exact[at + 24u], exact[at + 32u], exact[at + 40u]) - line.o) * inverse;
+                let near = min(a, b);
+                let far = max(a, b);
+                let enter = max(max(near.x, near.y), max(near.z, after));
+                if enter > min(min(far.x, far.y), min(far.z, scan.hi)) {
+                    continue;
                 }
-                if part.enter_hi <= after {
-                    inside = true;
-                    if part.leave_lo < FAR {
-                        first = earlier(
-                            first, part.leave_lo, part.leave_hi, part.leave, part.leave_facet, atom,
-                            (part.unclear & 2u) != 0u
-                        );
+                // the nearest first
+                if enter < time {
+                    if next != NONE {
+                        stack[depth] = next;
+                        stack_time[depth] = time;
+                        depth += 1u;
                     }
-                } else if part.enter_lo > after {
-                    first = earlier(
-                        first, part.enter_lo, part.enter_hi, part.enter, part.enter_facet, atom,
-                        (part.unclear & 1u) != 0u
-                    );
+                    next = child;
+                    time = enter;
                 } else {
-                    return next;
+                    stack[depth] = child;
+                    stack_time[depth] = enter;
+                    depth += 1u;
                 }
             }
-            if inside != (words[row + 3u] == 1u) {
-                bits |= 1lu << atom;
+        }
+        while next == NONE && depth > 0u {
+            depth -= 1u;
+            if stack_time[depth] <= scan.hi {
+                next = stack[depth];
             }
         }
-        next.before = owner_of(bits);
-        if first.lo == FAR {
-            next.route = NOTHING;
-            next.after = next.before;
+        if next == NONE {
+            return scan;
+        }
+    }
+    return scan;
+}
+
+const NO_SCAN = Scan(false, FAR, FAR, FAR, 0u, 0u, false, FAR, 0u, NONE, 0u);
+
+fn next_crossing(line: Line, starts: vec4u) -> Next {
+    var next = Next(DOUBT, 0.0lf, 0u, 0u, 0u, 0u, 0u, 0u);
+    var after = 0.0lf;
+    var begin = NO_SCAN;
+    var gathers = false;
+    for (var round = 0u; round < 64u; round++) {
+        events = 0u;
+        let scan = scanned(line, starts, after, begin, gathers);
+        if scan.doubt {
             return next;
         }
-        if first.unclear || first.second <= first.hi {
-            return next;
-        }
-        next.after = owner_of(bits ^ (1lu << first.atom));
-        if next.after != next.before {
-            next.route = FOUND;
-            next.t = first.t;
-            next.facet = first.facet;
-            return next;
-        }
-        after = first.hi;
-    }
-    return next;
-}
-
-// The value of the surface of a facet at a point of a line in its frame, and the gradient.
-struct Value {
-    f: f64,
-    gradient: vec3<f64>,
-}
-
-fn value_of(facet: u32, p: vec3<f64>) -> Value {
-    let row = FACET_ROWS + 4u * facet;
-    let at = words[row + 2u];
-    switch words[row] {
-        case PLANE: {
-            let n = vector(at);
-            return Value(minus(dot64(p, n), exact[at + 3u]), n);
-        }
-        case SPHERE: {
-            let offset = difference64(p, vector(at));
-            return Value(minus(dot64(offset, offset), exact[at + 3u]), scaled64(2.0lf, offset));
-        }
-        default: {
-            let offset = across(difference64(p, vector(at)), vector(at + 3u));
-            return Value(minus(dot64(offset, offset), exact[at + 6u]), scaled64(2.0lf, offset));
-        }
-    }
-}
-
-// A point of a line on a facet, as the CPU computes it: the unit normal, the slope of the surface along the line, and the point,
-// moved onto the surface along the normal.
-struct Touch {
-    is_certain: bool,
-    normal: vec3<f64>,
-    slope: f64,
-    position: vec3<f64>,
-}
-
-fn at_time(l: Line, t: f64) -> vec3<f64> {
-    return sum64(l.o, scaled64(t, l.d));
-}
-
-fn rotated(v: vec3<f64>, at: u32) -> vec3<f64> {
-    return sum64(
-        sum64(scaled64(v.x, vector(at)), scaled64(v.y, vector(at + 3u))), scaled64(v.z, vector(at + 6u))
-    );
-}
-
-fn touch(line: Line, t: f64, facet: u32, atom_frame: u32) -> Touch {
-    var touched = Touch(false, vec3<f64>(), 0.0lf, vec3<f64>());
-    var count = 0u;
-    var maps = 0u;
-    if atom_frame != NO_FRAME {
-        maps = words[FRAME_ROWS + 3u * atom_frame];
-        count = words[FRAME_ROWS + 3u * atom_frame + 1u];
-    }
-    var inner = line;
-    for (var k = 0u; k < count; k++) {
-        inner = moved(inner, maps + 12u * k);
-    }
-    let value = value_of(facet, at_time(inner, t));
-    var up = value.gradient;
-    for (var k = count; k > 0u; k--) {
-        let at = maps + 12u * (k - 1u);
-        up = vec3<f64>(dot64(vector(at), up), dot64(vector(at + 3u), up), dot64(vector(at + 6u), up));
-    }
-    let largest = largest64(up);
-    if !(largest > 1e-100lf && largest < 1e100lf) {
-        return touched;
-    }
-    up = vec3<f64>(over(up.x, largest), over(up.y, largest), over(up.z, largest));
-    touched.slope = dot64(up, line.d);
-    let unit = scaled64(over(1.0lf, root(dot64(up, up))), up);
-    let rise = dot64(unit, line.d);
-    touched.is_certain = abs(rise) > 1e-9lf && (rise > 0.0lf) == (touched.slope > 0.0lf);
-    touched.normal = select(unit, -unit, rise > 0.0lf);
-    var along = touched.normal;
-    for (var k = 0u; k < count; k++) {
-        along = rotated(along, maps + 12u * k);
-    }
-    let step = over(value.f, dot64(value.gradient, along));
-    touched.position = difference64(at_time(line, t), scaled64(step, touched.normal));
-    return touched;
-}
-
-// True if no surface is near a point of the line, except for that with a key: then it has no other start surface.
-fn is_alone(line: Line, t: f64, key: u32) -> bool {
-    let point = line.o + t * line.d;
-    let lengths = taxicab64(line.o) + @REACH@lf;
-    var frame = NO_FRAME;
-    var own = framed(line, NO_FRAME);
-    for (var atom = 0u; atom < ATOMS; atom++) {
-        let row = ATOM_ROWS + 5u * atom;
-        let box = words[row + 4u];
-        let margin = @TOLERANCE@lf * lengths;
-        if any(point < vector(box) - margin) || any(point > vector(box + 3u) + margin) {
+        if gathers && scan.second > scan.hi {
+            // an interval reaches beyond the others
+            begin.hi = scan.second;
             continue;
         }
-        if words[row + 2u] != frame {
-            frame = words[row + 2u];
-            own = framed(line, frame);
-        }
-        let first = words[row];
-        for (var k = first; k < first + words[row + 1u]; k++) {
-            let facet = FACET_ROWS + 4u * k;
-            if words[facet + 3u] == key {
+        if gathers {
+            next = resolved(line, scan.highest);
+            if next.route != NOTHING {
+                return next;
+            }
+            next.route = DOUBT;
+            after = scan.hi;
+        } else {
+            next.before = region_of(scan.highest);
+            if scan.lo == FAR {
+                next.route = NOTHING;
+                next.after = next.before;
+                return next;
+            }
+            if scan.unclear {
+                return next;
+            }
+            if scan.second <= scan.hi {
+                begin = Scan(false, scan.lo, scan.hi, FAR, 0u, 0u, false, scan.hi, 0u, NONE, 0u);
+                gathers = true;
                 continue;
             }
-            if words[facet] == BALL {
-                return false;
+            if scan.item == scan.holder {
+                next.after = region_of(scan.below);
+            } else {
+                next.after = region_of(max(scan.highest, words[ITEM_ROWS + 5u * scan.item + 2u]));
             }
-            let value = value_of(k, at_time(own.line, t));
-            let offset = select(select(8u, 5u, words[facet] == SPHERE), 4u, words[facet] == PLANE);
-            let near = near_of(own.lengths, exact[words[facet + 2u] + offset]);
-            if !(abs(value.f) > 2.0lf * near * (largest64(value.gradient) + near)) {
-                return false;
+            if next.after != next.before {
+                next.route = FOUND;
+                next.t = scan.t;
+                next.facet = scan.facet;
+                next.item = scan.item;
+                next.entered_facet = scan.facet;
+                next.entered_item = scan.item;
+                return next;
             }
+            after = scan.hi;
         }
+        begin = NO_SCAN;
+        gathers = false;
     }
-    return true;
+    return next;
 }

@@ -15,7 +15,7 @@ pub struct Case {
 
 type Entry = (&'static str, fn() -> Result<Case, std::fmt::Error>);
 
-/// All detectors. The device rejects the last two.
+/// All detectors.
 pub const DETECTORS: &[Entry] = &[
     ("water", water),
     ("argon", argon),
@@ -24,6 +24,7 @@ pub const DETECTORS: &[Entry] = &[
     ("tank", || tank(1)),
     ("crystals 10 x 10", || crystals(10)),
     ("tank of 150", || tank(5)),
+    ("tank of 10086", || tank(41)),
 ];
 
 /// The sections of a GDML file.

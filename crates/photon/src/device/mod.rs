@@ -47,8 +47,8 @@ const PASS: u32 = 64;
 const COMPARED: u64 = 128;
 
 /// Numbers and words of a photon on its way to the device, and of one that comes back.
-const STATE: [usize; 2] = [11, 5];
-const ROW: [usize; 2] = [11, 6];
+const STATE: [usize; 2] = [11, 8];
+const ROW: [usize; 2] = [11, 10];
 
 /// A detector on a graphics card.
 #[derive(Debug)]
@@ -346,9 +346,14 @@ impl<E: Evaluator> Job<'_, E> {
         let work = |batch: &mut Batch<'_, E, ()>, rows: &[u32]| {
             let all = || rows.iter().map(returned);
             let flights = all().filter(|own| own.state == HANDED_BACK);
-            let flights = flights.map(|own| (own.flight, self.device.tables.next.start(own.start)));
+            let starts = |own: Returned| {
+                let starts = own.starts.map(|start| self.device.tables.next.start(start));
+                (own.flight, starts.into_iter().flatten())
+            };
+            let flights = flights.map(starts);
             let detected = all().filter(|own| own.state == DETECTED);
-            let volume = |own: &Returned| Some((own.after, self.device.tables.next.face(own.facet)?));
+            let volume =
+                |own: &Returned| Some((own.after, self.device.tables.next.face(own.facet, own.item)?));
             let detected = detected.filter_map(|own| Some((own.flight, volume(&own)?)));
             batch.resume(self.source, flights, detected).map_err(PhotonError::from)
         };
@@ -389,7 +394,7 @@ fn states(numbers: Range<u64>, key: EventKey, photons: &[Photon]) -> (Vec<u8>, V
             own_numbers.extend_from_slice(&value.to_le_bytes());
         }
         let number = key.number(number);
-        for word in [(number >> 32) as u32, number as u32, 0, 0, 0] {
+        for word in [(number >> 32) as u32, number as u32, 0, 0, 0, 0, 0, 0] {
             own_words.extend_from_slice(&word.to_le_bytes());
         }
     }
@@ -406,9 +411,10 @@ fn chunks(numbers: Range<u64>) -> impl Iterator<Item = Range<u64>> + Send {
 struct Returned {
     flight: Flight,
     state: u32,
-    start: u32,
     after: u32,
     facet: u32,
+    item: u32,
+    starts: [u32; 4],
 }
 
 impl Returned {
@@ -425,6 +431,7 @@ impl Returned {
         };
         let origin = first + u64::from(words[0]);
         let flight = Flight { origin, number: key.number(origin), steps: words[2], region: u32::MAX, photon };
-        Returned { flight, state: words[1], start: words[3], after: words[4], facet: words[5] }
+        let starts = [words[6], words[7], words[8], words[9]];
+        Returned { flight, state: words[1], after: words[3], facet: words[4], item: words[5], starts }
     }
 }

@@ -3,9 +3,9 @@
 
 // 11 numbers of each photon: position, direction, polarisation, energy, time
 @group(0) @binding(2) var<storage, read_write> numbers: array<f64>;
-// 5 words of each photon: number (high, low), steps, start, state
+// 8 words of each photon: number (high, low), steps, state, start list
 @group(0) @binding(3) var<storage, read_write> states: array<u32>;
-// a row of 11 numbers and one of 6 words for each photon that comes back
+// a row of 11 numbers and one of 10 words for each photon that comes back
 @group(0) @binding(4) var<storage, read_write> back_numbers: array<f64>;
 @group(0) @binding(5) var<storage, read_write> back_words: array<u32>;
 // the number of rows, of photons in flight and of steps, then counts of ends and of boundary events
@@ -23,14 +23,15 @@ struct Photon {
     time: f64,
     number: vec2u,
     steps: u32,
-    // 0, or one more than twice the key of the surface on which it starts, plus 1 inside of it
-    start: u32,
+    // the surfaces on which it starts: 0, or one more than twice the key of a surface, plus 1 inside of it
+    starts: vec4u,
     // FLYING, a way of ending, or HANDED_BACK
     state: u32,
-    // the last boundary event, and the region and the facet behind it
+    // the last boundary event, the region behind it, and the face of that region, a facet of an item
     event: u32,
     after: u32,
     facet: u32,
+    item: u32,
 }
 
 // The random numbers of a purpose in a step: `Stream`.
@@ -740,9 +741,8 @@ fn at_boundary(photon: Photon, line: Line, next: Next, index: f64) -> Photon {
     if (entry & KIND_BITS) == UNKNOWN {
         return handed_back(photon);
     }
-    let row = FACET_ROWS + 4u * next.facet;
-    let key = words[row + 3u];
-    let touched = touch(line, next.t, next.facet, words[@FRAME_OF@ + next.facet]);
+    let key = words[ITEM_ROWS + 5u * next.item + 3u] + words[FACET_ROWS + 5u * next.facet + 3u];
+    let touched = touch(line, next.t, next.facet, next.item);
     if !touched.is_certain {
         return handed_back(photon);
     }
@@ -752,7 +752,8 @@ fn at_boundary(photon: Photon, line: Line, next: Next, index: f64) -> Photon {
     }
     changed.position = touched.position;
     changed.after = next.after;
-    changed.facet = next.facet;
+    changed.facet = next.entered_facet;
+    changed.item = next.entered_item;
     switch changed.event {
         case DETECTION: {
             return ended(changed, select(SURFACE_ABSORBED, DETECTED, (params.rules & BY_EFFICIENCY) != 0u));
@@ -769,11 +770,12 @@ fn at_boundary(photon: Photon, line: Line, next: Next, index: f64) -> Photon {
     if is_behind && (entry & SENSITIVE) != 0u && (params.rules & BY_VOLUME) != 0u {
         return ended(changed, DETECTED);
     }
-    if !is_alone(line, next.t, key) {
+    let inside = (touched.slope < 0.0lf) == is_behind;
+    let starts = starts_at(line, next.t, 2u * key + 1u + select(0u, 1u, inside), is_behind);
+    if !starts.certain {
         return handed_back(photon);
     }
-    let inside = (touched.slope < 0.0lf) == is_behind;
-    changed.start = 2u * key + 1u + select(0u, 1u, inside);
+    changed.starts = starts.list;
     return changed;
 }
 
@@ -782,7 +784,7 @@ fn step(before: Photon) -> Photon {
     var photon = before;
     photon.event = NO_EVENT;
     let line = Line(photon.position, photon.direction);
-    let next = next_crossing(line, photon.start);
+    let next = next_crossing(line, photon.starts);
     if next.route == DOUBT {
         return handed_back(before);
     }
@@ -818,7 +820,7 @@ fn step(before: Photon) -> Photon {
         }
         return moved_on;
     }
-    photon.start = 0u;
+    photon.starts = vec4u();
     photon.position = at_time(line, length);
     let process = (words[material + 6u] >> (PROCESS_BITS * free.process)) & OTHER_PROCESS;
     switch process {
@@ -850,10 +852,11 @@ fn vector_of(at: u32) -> vec3<f64> {
 
 fn photon_of(i: u32) -> Photon {
     let n = 11u * i;
-    let w = 5u * i;
+    let w = 8u * i;
     return Photon(
         vector_of(n), vector_of(n + 3u), vector_of(n + 6u), numbers[n + 9u], numbers[n + 10u],
-        vec2u(states[w], states[w + 1u]), states[w + 2u], states[w + 3u], states[w + 4u], NO_EVENT, 0u, 0u,
+        vec2u(states[w], states[w + 1u]), states[w + 2u],
+        vec4u(states[w + 4u], states[w + 5u], states[w + 6u], states[w + 7u]), states[w + 3u], NO_EVENT, 0u, 0u, 0u,
     );
 }
 
@@ -866,9 +869,11 @@ fn keep_photon(i: u32, photon: Photon) {
     }
     numbers[n + 9u] = photon.energy;
     numbers[n + 10u] = photon.time;
-    states[5u * i + 2u] = photon.steps;
-    states[5u * i + 3u] = photon.start;
-    states[5u * i + 4u] = photon.state;
+    states[8u * i + 2u] = photon.steps;
+    states[8u * i + 3u] = photon.state;
+    for (var k = 0u; k < 4u; k++) {
+        states[8u * i + 4u + k] = photon.starts[k];
+    }
 }
 
 fn send_back(i: u32, photon: Photon) {
@@ -880,19 +885,23 @@ fn send_back(i: u32, photon: Photon) {
     }
     back_numbers[11u * row + 9u] = photon.energy;
     back_numbers[11u * row + 10u] = photon.time;
-    back_words[6u * row] = i;
-    back_words[6u * row + 1u] = photon.state;
-    back_words[6u * row + 2u] = photon.steps;
-    back_words[6u * row + 3u] = photon.start;
-    back_words[6u * row + 4u] = photon.after;
-    back_words[6u * row + 5u] = photon.facet;
+    let w = 10u * row;
+    back_words[w] = i;
+    back_words[w + 1u] = photon.state;
+    back_words[w + 2u] = photon.steps;
+    back_words[w + 3u] = photon.after;
+    back_words[w + 4u] = photon.facet;
+    back_words[w + 5u] = photon.item;
+    for (var k = 0u; k < 4u; k++) {
+        back_words[w + 6u + k] = photon.starts[k];
+    }
 }
 
 var<workgroup> tallies: array<atomic<u32>, @COUNTS@>;
 
 // Some steps of a photon.
 fn fly(i: u32) {
-    if states[5u * i + 4u] != FLYING {
+    if states[8u * i + 3u] != FLYING {
         return;
     }
     var photon = photon_of(i);

@@ -11,7 +11,7 @@ use crate::material::{Bulk, MAX_SHIFTERS, OpticalMaterial, ValueTable};
 use crate::philox::{COSINE, SINE, UNIT};
 use crate::property::{HC_MEV_NM, PropertyTable};
 use crate::surface::{OpticalSurface, SurfaceFinish, SurfaceModel, SurfaceType};
-use rayweave_gpu::{GpuError, NextTables};
+use rayweave_gpu::{GpuError, NextTables, Unsupported};
 
 /// The bits of the coefficients of the sine and the cosine in `libm` (FreeBSD, `k_sin.c` and `k_cos.c`).
 const SINE_TERMS: [u64; 6] = [
@@ -31,6 +31,9 @@ const COSINE_TERMS: [u64; 6] = [
     0xbda8_fae9_be88_38d4,
 ];
 
+/// The greatest number of regions, with the world: there is a word for each pair of them.
+const MOST_REGIONS: usize = 4096;
+
 /// The tables and the kernel of a detector.
 #[derive(Debug)]
 pub(super) struct Tables {
@@ -40,6 +43,9 @@ pub(super) struct Tables {
 
 impl Tables {
     pub fn new(detector: &Detector) -> Result<Tables, GpuError> {
+        if detector.material_of.len() > MOST_REGIONS {
+            return Err(GpuError::Unsupported(Unsupported::Pairs { limit: MOST_REGIONS - 1 }));
+        }
         let mut next = NextTables::new(&detector.program)?;
         let (materials, shifters) = materials(&mut next, &detector.materials);
         let rows: Vec<u32> = detector.surfaces.iter().flat_map(|own| surface(&mut next, own)).collect();
@@ -56,7 +62,6 @@ impl Tables {
             ("@MATERIAL_OF@", word(material_of)),
             ("@PAIRS@", word(pairs)),
             ("@REGIONS@", word(detector.material_of.len() as u32)),
-            ("@FRAME_OF@", word(next.frame_of())),
             ("@CODES@", declarations()),
             ("@COUNTS@", word(COUNTS as u32)),
             ("@HC@", number(HC_MEV_NM)),
