@@ -22,9 +22,9 @@ pub struct LensDrawing {
     pub stop: Vec<[Vec3; 2]>,
 }
 
-/// The wishes for a drawing.
+/// What a drawing shows.
 #[derive(Clone, Copy)]
-pub struct Wishes {
+pub struct DrawingOptions {
     /// The number of rays of all fields together.
     pub rays: Option<usize>,
     /// True for a section along x instead of y.
@@ -35,14 +35,14 @@ pub struct Wishes {
 
 impl LensDrawing {
     /// The lens with an image as wide as its light.
-    pub fn new(lens: &Prescription, wishes: Wishes) -> Result<LensDrawing, Problem> {
-        let lines: Vec<f64> = match wishes.has_all_wavelengths {
+    pub fn new(lens: &Prescription, options: DrawingOptions) -> Result<LensDrawing, Problem> {
+        let lines: Vec<f64> = match options.has_all_wavelengths {
             true => lens.lines.iter().map(|line| line.wavelength_nm).collect(),
             false => vec![lens.primary_nm()],
         };
         let bundles = lens.fields.len() * lines.len();
-        let count = wishes.rays.map_or(RAYS, |rays| (rays / bundles.max(1)).max(1));
-        let points = match (count, wishes.is_along_x) {
+        let count = options.rays.map_or(RAYS, |rays| (rays / bundles.max(1)).max(1));
+        let points = match (count, options.is_along_x) {
             (1, _) => vec![[0.0; 2]],
             (_, true) => fan_x(count),
             (_, false) => fan_y(count),
@@ -60,7 +60,7 @@ impl LensDrawing {
         let front = front(lens, &system);
         let light = (0..lens.fields.len()).map(|field| source(lens, field, &lines, &points, front));
         let light = Sources::new(light.collect::<Result<_, _>>()?);
-        let stop = stop(lens, &semi_diameters, wishes.is_along_x)?;
+        let stop = stop(lens, &semi_diameters, options.is_along_x)?;
         Ok(LensDrawing { system, sequence, light, stop })
     }
 }

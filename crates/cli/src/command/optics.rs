@@ -5,7 +5,7 @@ use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::lens_data::LensData;
-use crate::lens_drawing::{LensDrawing, Wishes};
+use crate::lens_drawing::{DrawingOptions, LensDrawing};
 use crate::lens_file::{self, Bench};
 use crate::outputs;
 use crate::terminal::{self, Unit, short};
@@ -332,12 +332,12 @@ impl Optics {
         let Some(path) = &self.layout else { return Ok(()) };
         let colour = self.colour.map_or(RayColour::Source, RayColour::from);
         let plane = self.plane.unwrap_or(LayoutPlane::X(0.0));
-        let wishes = Wishes {
+        let options = DrawingOptions {
             rays: self.rays,
             is_along_x: matches!(plane, LayoutPlane::Y(_)),
             has_all_wavelengths: colour == RayColour::Wavelength,
         };
-        let drawn = LensDrawing::new(lens, wishes);
+        let drawn = LensDrawing::new(lens, options);
         let LensDrawing { system, sequence, light, stop } =
             drawn.map_err(|error| lens_file::wrong(&self.model, error.as_ref()))?;
         // all rays of the drawing

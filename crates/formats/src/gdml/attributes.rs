@@ -2,8 +2,8 @@
 
 use super::context::Context;
 use super::expression::{Fault, Names};
-use super::trouble::Place;
-use super::trouble::Trouble;
+use super::problem::Place;
+use super::problem::Problem;
 use super::units::{self, Quantity};
 use super::xml::{Attribute, Element};
 use rayweave_math::Vec3;
@@ -59,8 +59,8 @@ impl<'c> Numbers<'c> {
     }
 
     /// Reports a problem as an error.
-    pub fn tell(&mut self, trouble: Trouble) -> Failure {
-        self.context.error(trouble);
+    pub fn error(&mut self, problem: Problem) -> Failure {
+        self.context.error(problem);
         Failure::Reported
     }
 
@@ -84,7 +84,7 @@ impl<'c> Numbers<'c> {
             let message = format!("`{}` has no attribute `{name}`: it is required.", element.name);
             let near = rayweave_error::did_you_mean(name, known.filter(unlike));
             let slip = near.map(|near| format!(" Did you mean `{near}`?")).unwrap_or_default();
-            self.tell(Trouble::new(message + &slip, element.place))
+            self.error(Problem::new(message + &slip, element.place))
         })
     }
 
@@ -126,12 +126,12 @@ impl<'c> Numbers<'c> {
             true => Span::new(start + fault.span.start(), start + fault.span.end()),
             false => attribute.place.span,
         };
-        let trouble = Trouble::new(fault.problem, Place { span, ..attribute.place });
-        let trouble = match &fault.unknown {
-            Some(name) => trouble.did_you_mean(name, self.names.all()),
-            None => trouble,
+        let problem = Problem::new(fault.problem, Place { span, ..attribute.place });
+        let problem = match &fault.unknown {
+            Some(name) => problem.did_you_mean(name, self.names.all()),
+            None => problem,
         };
-        self.tell(trouble)
+        self.error(problem)
     }
 
     /// A required number.
@@ -165,7 +165,7 @@ impl<'c> Numbers<'c> {
             false => {
                 let message =
                     format!("`{name}` is {value}: it must be a whole number from {least} to {most}.");
-                Err(self.tell(Trouble::new(message, attribute.place)))
+                Err(self.error(Problem::new(message, attribute.place)))
             }
         }
     }
@@ -192,10 +192,10 @@ impl<'c> Numbers<'c> {
                 Quantity::Angle => "angle",
                 Quantity::Other => "this quantity",
             };
-            let trouble = Trouble::new(format!("`{symbol}` is not a unit of {what}"), attribute.place);
+            let problem = Problem::new(format!("`{symbol}` is not a unit of {what}"), attribute.place);
             match quantity {
-                Quantity::Other => self.tell(trouble),
-                _ => self.tell(trouble.did_you_mean(symbol, units::names_of(quantity))),
+                Quantity::Other => self.error(problem),
+                _ => self.error(problem.did_you_mean(symbol, units::names_of(quantity))),
             }
         })
     }
@@ -238,7 +238,7 @@ impl<'c> Numbers<'c> {
         if unit == 1.0 && value.abs() > 4.0 * PI {
             let message =
                 format!("`{name}` is {value} radians: more than two turns. Is `aunit=\"deg\"` missing?");
-            self.context.warn(Trouble::new(message, attribute.place));
+            self.context.warn(Problem::new(message, attribute.place));
         }
         Ok(degrees(value, unit))
     }
@@ -282,7 +282,7 @@ impl<'c> Numbers<'c> {
         let to = self.number(element, "to")?;
         let step = self.number_or(element, "step", 1.0)?;
         if step <= 0.0 && from <= to {
-            return Err(self.tell(Trouble::new(
+            return Err(self.error(Problem::new(
                 "the step of the loop is not greater than 0: the loop would not end.",
                 element.place,
             )));
@@ -291,7 +291,7 @@ impl<'c> Numbers<'c> {
         while value <= to {
             self.steps += 1 + element.children.len();
             if self.steps > MAX_STEPS {
-                return Err(self.tell(Trouble::new(
+                return Err(self.error(Problem::new(
                     format!("the loops generate more than {MAX_STEPS} elements"),
                     place,
                 )));

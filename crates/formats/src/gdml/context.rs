@@ -1,6 +1,6 @@
 //! State of the reader: files, problems, warnings and losses.
 
-use super::trouble::Trouble;
+use super::problem::Problem;
 use super::xml::Files;
 use crate::{LossKind, Report};
 use rayweave_scene::Diagnostic;
@@ -32,21 +32,21 @@ impl Context {
     }
 
     /// Adds an error.
-    pub fn error(&mut self, trouble: Trouble) {
+    pub fn error(&mut self, problem: Problem) {
         if self.problems.len() < MAX_PROBLEMS {
-            self.problems.push(self.files.locate(Diagnostic::error(trouble.message), trouble.place));
+            self.problems.push(self.files.locate(Diagnostic::error(problem.message), problem.place));
         }
     }
 
     /// Adds a warning without a loss.
-    pub fn warn(&mut self, trouble: Trouble) {
+    pub fn warn(&mut self, problem: Problem) {
         if self.warnings.len() < MAX_PROBLEMS {
-            self.warnings.push(self.files.locate(Diagnostic::warning(trouble.message), trouble.place));
+            self.warnings.push(self.files.locate(Diagnostic::warning(problem.message), problem.place));
         }
     }
 
     /// Adds a loss.
-    pub fn lose(&mut self, kind: LossKind, what: &str, trouble: Trouble) {
-        self.report.add(kind, what, self.files.locate(Diagnostic::warning(trouble.message), trouble.place));
+    pub fn lose(&mut self, kind: LossKind, what: &str, problem: Problem) {
+        self.report.add(kind, what, self.files.locate(Diagnostic::warning(problem.message), problem.place));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::attributes::{Failure, Numbers, degrees};
 use super::expression::Matrix;
-use super::trouble::Trouble;
+use super::problem::Problem;
 use super::units;
 use super::units::Quantity;
 use super::xml::Element;
@@ -59,7 +59,7 @@ impl Numbers<'_> {
             "matrix" => self.matrix(element)?,
             "position" | "rotation" | "scale" => self.vector_definition(element)?,
             other => {
-                let trouble = Trouble::new(format!("`{other}` is not a definition"), element.place);
+                let problem = Problem::new(format!("`{other}` is not a definition"), element.place);
                 let known = [
                     "constant",
                     "variable",
@@ -71,7 +71,7 @@ impl Numbers<'_> {
                     "scale",
                     "loop",
                 ];
-                self.tell(trouble.did_you_mean(other, known));
+                self.error(problem.did_you_mean(other, known));
             }
         }
         Ok(())
@@ -86,7 +86,7 @@ impl Numbers<'_> {
                 "the {kind} `{name}` has the name of a unit or constant: expressions such as `2*{name}` use its value {value} instead \
                  of {unit}, and Geant4 rejects the redefinition. Rename it."
             );
-            self.context.warn(Trouble::new(message, element.place));
+            self.context.warn(Problem::new(message, element.place));
         }
         self.names.set(name, value);
     }
@@ -97,7 +97,7 @@ impl Numbers<'_> {
             "the {} `{name}` is defined again: the later value is used, and Geant4 rejects the redefinition. Rename one of them.",
             element.name
         );
-        self.context.warn(Trouble::new(message, element.place));
+        self.context.warn(Problem::new(message, element.place));
     }
 
     /// `<expression name="x">text</expression>`.
@@ -127,7 +127,7 @@ impl Numbers<'_> {
         if values.is_empty() || values.len() % columns != 0 {
             let message =
                 format!("the matrix `{name}` has {} values: they must fill rows of {columns}.", values.len());
-            return Err(self.tell(Trouble::new(message, attribute.place)));
+            return Err(self.error(Problem::new(message, attribute.place)));
         }
         if self.names.matrix(&name).is_some() {
             self.warn_of_redefinition(element, &name);
@@ -183,7 +183,7 @@ impl Numbers<'_> {
             let message = format!(
                 "the rotation is more than two turns (in radians). Is `unit=\"deg\"` missing?{aunit}"
             );
-            self.context.warn(Trouble::new(message, element.place));
+            self.context.warn(Problem::new(message, element.place));
         }
     }
 
@@ -194,12 +194,12 @@ impl Numbers<'_> {
             Some(vector) => Ok(*vector),
             None => {
                 let word = role.word();
-                let trouble = Trouble::new(
+                let problem = Problem::new(
                     format!("unknown {word} `{name}`: no <{word} name=\"{name}\"> before it."),
                     place,
                 );
                 let known: Vec<String> = self.map_of(role).keys().cloned().collect();
-                Err(self.tell(trouble.did_you_mean(&name, known.iter().map(String::as_str))))
+                Err(self.error(problem.did_you_mean(&name, known.iter().map(String::as_str))))
             }
         }
     }

@@ -2,8 +2,8 @@
 
 use super::materials::Materials;
 use super::optical::Surfaces;
+use super::problem::Place;
 use super::solids::Shape;
-use super::trouble::Place;
 use rayweave_math::Affine;
 use rayweave_model::Solid;
 use rayweave_scene::{Table, bare_name};

@@ -3,8 +3,8 @@
 use super::context::Context;
 use super::graph::{Daughter, Graph, Volume};
 use super::materials::Material;
+use super::problem::Problem;
 use super::table::table;
-use super::trouble::Trouble;
 use rayweave_math::Affine;
 use rayweave_model::{Copies, Solid};
 use rayweave_scene::{Colour, Medium, Scene, SceneRegion, Table, Unit};
@@ -15,7 +15,7 @@ pub(super) fn scene(context: &mut Context, graph: &Graph, world: usize) -> Optio
     let order = match order(graph, world) {
         Ok(order) => order,
         Err(cycle) => {
-            context.error(cycle_trouble(graph, &cycle));
+            context.error(cycle_problem(graph, &cycle));
             return None;
         }
     };
@@ -34,7 +34,7 @@ pub(super) fn scene(context: &mut Context, graph: &Graph, world: usize) -> Optio
                 graph.volumes[volume].name,
                 context.size_limit()
             );
-            context.error(Trouble::new(message, graph.volumes[volume].place));
+            context.error(Problem::new(message, graph.volumes[volume].place));
             return None;
         }
         let name = taken.free(graph.volumes[volume].bare_name());
@@ -105,10 +105,10 @@ fn by_depth(graph: &Graph, order: &[usize]) -> Vec<usize> {
     sorted
 }
 
-fn cycle_trouble(graph: &Graph, cycle: &[usize]) -> Trouble {
+fn cycle_problem(graph: &Graph, cycle: &[usize]) -> Problem {
     let names: Vec<&str> = cycle.iter().map(|volume| graph.volumes[*volume].name.as_str()).collect();
     let place = graph.volumes[cycle[0]].place;
-    Trouble::new(format!("the volume `{}` contains itself: {}.", names[0], names.join(" contains ")), place)
+    Problem::new(format!("the volume `{}` contains itself: {}.", names[0], names.join(" contains ")), place)
 }
 
 /// A mother, and the copies of a daughter in it.

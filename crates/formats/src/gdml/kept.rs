@@ -2,9 +2,9 @@
 
 use super::attributes::Numbers;
 use super::context::Context;
+use super::problem::Place;
 use super::solids::{Sizes, primitive};
 use super::stated::{rows, text};
-use super::trouble::Place;
 use super::xml::{Attribute, Element, Name};
 use rayweave_model::Solid;
 use rayweave_scene::{Datum, Table, lookup};

@@ -2,8 +2,8 @@
 
 use super::attributes::{Failure, Numbers};
 use super::define;
-use super::trouble::Place;
-use super::trouble::Trouble;
+use super::problem::Place;
+use super::problem::Problem;
 use super::units::{GRAM_PER_CM3, PA, Quantity};
 use super::xml::Element;
 use rayweave_scene::{Medium, bare_name};
@@ -77,11 +77,11 @@ impl Materials {
                 ..Material::default()
             }));
         }
-        let trouble = Trouble::new(
+        let problem = Problem::new(
             format!("unknown material `{name}`: no material defined before has this name."),
             place,
         );
-        numbers.context.warn(trouble.did_you_mean(name, self.by_name.keys().map(String::as_str)));
+        numbers.context.warn(problem.did_you_mean(name, self.by_name.keys().map(String::as_str)));
         Some(self.add(Material { name: name.to_owned(), tag: "material".to_owned(), ..Material::default() }))
     }
 
@@ -109,8 +109,8 @@ pub(super) fn read(numbers: &mut Numbers, materials: &mut Materials, section: &E
         other => {
             let message = format!("`{other}` is not an element of `materials`.");
             let known = ["material", "element", "isotope", "define", "loop"];
-            let trouble = Trouble::new(message, element.place).did_you_mean(other, known);
-            numbers.context.lose(crate::LossKind::Dropped, other, trouble);
+            let problem = Problem::new(message, element.place).did_you_mean(other, known);
+            numbers.context.lose(crate::LossKind::Dropped, other, problem);
         }
     });
 }
@@ -161,8 +161,8 @@ fn detail(numbers: &mut Numbers, material: &mut Material, child: &Element) -> Re
         // defined quantities include their unit
         let (quantity, place) = numbers.reference(child, "ref")?;
         let Some(value) = numbers.names.value(&quantity) else {
-            let trouble = Trouble::new(format!("unknown quantity `{quantity}`: it is not defined."), place);
-            return Err(numbers.tell(trouble.did_you_mean(&quantity, numbers.names.all())));
+            let problem = Problem::new(format!("unknown quantity `{quantity}`: it is not defined."), place);
+            return Err(numbers.error(problem.did_you_mean(&quantity, numbers.names.all())));
         };
         material.numbers.push(((*name).to_owned(), value / one));
         return Ok(());
@@ -179,7 +179,7 @@ fn detail(numbers: &mut Numbers, material: &mut Material, child: &Element) -> Re
                 material.index = index(numbers, &property).unwrap_or_else(|reason| {
                     let message =
                         format!("the material `{}` has no refractive index: {reason}.", material.name);
-                    numbers.context.warn(Trouble::new(message, child.place));
+                    numbers.context.warn(Problem::new(message, child.place));
                     None
                 });
             }
@@ -243,9 +243,9 @@ pub(super) fn property(numbers: &mut Numbers, child: &Element) -> Result<(String
     // an invalid definition has been reported
     if !is_known && !numbers.names.has_failed(&matrix) {
         let known: Vec<String> = numbers.names.matrices().map(|(name, _)| name.clone()).collect();
-        let trouble =
-            Trouble::new(format!("unknown matrix `{matrix}`: the property `{name}` has no value."), place);
-        numbers.context.warn(trouble.did_you_mean(&matrix, known.iter().map(String::as_str)));
+        let problem =
+            Problem::new(format!("unknown matrix `{matrix}`: the property `{name}` has no value."), place);
+        numbers.context.warn(problem.did_you_mean(&matrix, known.iter().map(String::as_str)));
     }
     Ok((name, Property::Matrix(matrix)))
 }

@@ -29,6 +29,7 @@ pub(crate) mod kept;
 mod materials;
 mod optical;
 mod origin;
+mod problem;
 mod schema;
 mod shape;
 mod solids;
@@ -36,7 +37,6 @@ mod source;
 pub(crate) mod stated;
 mod structure;
 mod table;
-mod trouble;
 mod units;
 mod xml;
 

@@ -4,8 +4,8 @@ use super::attributes::{Failure, Numbers};
 use super::context::Context;
 use super::expression::Matrix;
 use super::materials::{Property, property};
-use super::trouble::Place;
-use super::trouble::Trouble;
+use super::problem::Place;
+use super::problem::Problem;
 use super::xml::Element;
 use std::collections::BTreeMap;
 
@@ -81,12 +81,12 @@ pub(super) fn check_links(context: &mut Context, surfaces: &Surfaces, volumes: &
     for link in &surfaces.links {
         if surfaces.optical.iter().all(|surface| surface.name != link.surface) {
             let known = surfaces.optical.iter().map(|surface| surface.name.as_str());
-            let trouble = Trouble::new(format!("unknown optical surface `{}`", link.surface), link.place);
-            context.warn(trouble.did_you_mean(&link.surface, known));
+            let problem = Problem::new(format!("unknown optical surface `{}`", link.surface), link.place);
+            context.warn(problem.did_you_mean(&link.surface, known));
         }
         for (name, place) in link.of.iter().filter(|(name, _)| link.is_skin && !volumes.contains_key(name)) {
-            let trouble = Trouble::new(format!("unknown volume `{name}`"), *place);
-            context.warn(trouble.did_you_mean(name, volumes.keys().map(String::as_str)));
+            let problem = Problem::new(format!("unknown volume `{name}`"), *place);
+            context.warn(problem.did_you_mean(name, volumes.keys().map(String::as_str)));
         }
     }
 }

@@ -4,7 +4,7 @@
 //! attributes without a message, so a misspelt optional attribute silently has its default value.
 
 use super::context::Context;
-use super::trouble::{Place, Trouble};
+use super::problem::{Place, Problem};
 use super::xml::Element;
 use std::collections::BTreeMap;
 
@@ -14,7 +14,49 @@ type Row = (&'static str, &'static str, Option<&'static str>);
 /// Children of placements and of the operands of booleans.
 const PLACE: &str = "position positionref rotation rotationref";
 
-const TABLE: &[Row] = &[
+/// The elements in `<solids>`.
+const SOLIDS: &[Row] = &[
+    ("box", "name x y z lunit aunit", Some("")),
+    ("tube", "name rmin rmax z startphi deltaphi lunit aunit", Some("")),
+    ("cutTube", "name rmin rmax z startphi deltaphi lowX lowY lowZ highX highY highZ lunit aunit", Some("")),
+    ("cone", "name rmin1 rmax1 rmin2 rmax2 z startphi deltaphi lunit aunit", Some("")),
+    ("polycone", "name startphi deltaphi lunit aunit", Some("zplane loop")),
+    ("genericPolycone", "name startphi deltaphi lunit aunit", Some("rzpoint loop")),
+    ("polyhedra", "name numsides startphi deltaphi lunit aunit", Some("zplane loop")),
+    ("genericPolyhedra", "name numsides startphi deltaphi lunit aunit", Some("rzpoint loop")),
+    ("trd", "name x1 x2 y1 y2 z lunit aunit", Some("")),
+    ("trap", "name z theta phi y1 x1 x2 alpha1 y2 x3 x4 alpha2 lunit aunit", Some("")),
+    ("para", "name x y z alpha theta phi lunit aunit", Some("")),
+    ("sphere", "name rmin rmax startphi deltaphi starttheta deltatheta lunit aunit", Some("")),
+    ("orb", "name r lunit aunit", Some("")),
+    ("torus", "name rmin rmax rtor startphi deltaphi lunit aunit", Some("")),
+    ("ellipsoid", "name ax by cz zcut1 zcut2 lunit aunit", Some("")),
+    ("eltube", "name dx dy dz lunit aunit", Some("")),
+    ("elcone", "name dx dy zmax zcut lunit aunit", Some("")),
+    ("paraboloid", "name rlo rhi dz lunit aunit", Some("")),
+    ("hype", "name rmin rmax inst outst z lunit aunit", Some("")),
+    ("xtru", "name lunit aunit", Some("twoDimVertex section loop")),
+    ("tet", "name vertex1 vertex2 vertex3 vertex4 lunit aunit", Some("")),
+    ("arb8", "name v1x v1y v2x v2y v3x v3y v4x v4y v5x v5y v6x v6y v7x v7y v8x v8y dz lunit aunit", Some("")),
+    ("twistedbox", "name PhiTwist x y z lunit aunit", Some("")),
+    ("twistedtrd", "name PhiTwist x1 x2 y1 y2 z lunit aunit", Some("")),
+    ("twistedtrap", "name PhiTwist z Theta Phi y1 x1 x2 y2 x3 x4 Alph lunit aunit", Some("")),
+    (
+        "twistedtubs",
+        "name twistedangle endinnerrad endouterrad midinnerrad midouterrad zlen nseg totphi phi lunit aunit",
+        Some(""),
+    ),
+    ("tessellated", "name lunit aunit", Some("triangular quadrangular loop")),
+    ("scaledSolid", "name lunit aunit", Some("solidref scale scaleref")),
+    ("reflectedSolid", "name solid sx sy sz rx ry rz dx dy dz lunit aunit", Some("")),
+    ("union", "name lunit aunit", Some(BOOLEAN)),
+    ("subtraction", "name lunit aunit", Some(BOOLEAN)),
+    ("intersection", "name lunit aunit", Some(BOOLEAN)),
+    ("multiUnion", "name lunit aunit", Some("multiUnionNode loop")),
+    ("opticalsurface", "name model finish type value", Some("property")),
+];
+
+const OTHERS: &[Row] = &[
     // sections and definitions
     ("gdml", "version", None),
     ("define", "", None),
@@ -52,59 +94,21 @@ const TABLE: &[Row] = &[
     ("fraction", "n ref", Some("")),
     ("composite", "n ref", Some("")),
     ("property", "name ref value", Some("")),
-    // solids
-    ("box", "name x y z lunit aunit", Some("")),
-    ("tube", "name rmin rmax z startphi deltaphi lunit aunit", Some("")),
-    ("cutTube", "name rmin rmax z startphi deltaphi lowX lowY lowZ highX highY highZ lunit aunit", Some("")),
-    ("cone", "name rmin1 rmax1 rmin2 rmax2 z startphi deltaphi lunit aunit", Some("")),
-    ("polycone", "name startphi deltaphi lunit aunit", Some("zplane loop")),
-    ("genericPolycone", "name startphi deltaphi lunit aunit", Some("rzpoint loop")),
-    ("polyhedra", "name numsides startphi deltaphi lunit aunit", Some("zplane loop")),
-    ("genericPolyhedra", "name numsides startphi deltaphi lunit aunit", Some("rzpoint loop")),
+    // parts of solids
     ("zplane", "z rmin rmax", Some("")),
     ("rzpoint", "r z", Some("")),
-    ("trd", "name x1 x2 y1 y2 z lunit aunit", Some("")),
-    ("trap", "name z theta phi y1 x1 x2 alpha1 y2 x3 x4 alpha2 lunit aunit", Some("")),
-    ("para", "name x y z alpha theta phi lunit aunit", Some("")),
-    ("sphere", "name rmin rmax startphi deltaphi starttheta deltatheta lunit aunit", Some("")),
-    ("orb", "name r lunit aunit", Some("")),
-    ("torus", "name rmin rmax rtor startphi deltaphi lunit aunit", Some("")),
-    ("ellipsoid", "name ax by cz zcut1 zcut2 lunit aunit", Some("")),
-    ("eltube", "name dx dy dz lunit aunit", Some("")),
-    ("elcone", "name dx dy zmax zcut lunit aunit", Some("")),
-    ("paraboloid", "name rlo rhi dz lunit aunit", Some("")),
-    ("hype", "name rmin rmax inst outst z lunit aunit", Some("")),
-    ("xtru", "name lunit aunit", Some("twoDimVertex section loop")),
     ("twoDimVertex", "x y", Some("")),
     ("section", "zOrder zPosition xOffset yOffset scalingFactor", Some("")),
-    ("tet", "name vertex1 vertex2 vertex3 vertex4 lunit aunit", Some("")),
-    ("arb8", "name v1x v1y v2x v2y v3x v3y v4x v4y v5x v5y v6x v6y v7x v7y v8x v8y dz lunit aunit", Some("")),
-    ("twistedbox", "name PhiTwist x y z lunit aunit", Some("")),
-    ("twistedtrd", "name PhiTwist x1 x2 y1 y2 z lunit aunit", Some("")),
-    ("twistedtrap", "name PhiTwist z Theta Phi y1 x1 x2 y2 x3 x4 Alph lunit aunit", Some("")),
-    (
-        "twistedtubs",
-        "name twistedangle endinnerrad endouterrad midinnerrad midouterrad zlen nseg totphi phi lunit aunit",
-        Some(""),
-    ),
-    ("tessellated", "name lunit aunit", Some("triangular quadrangular loop")),
     ("triangular", "vertex1 vertex2 vertex3 type lunit", Some("")),
     ("quadrangular", "vertex1 vertex2 vertex3 vertex4 type lunit", Some("")),
-    ("scaledSolid", "name lunit aunit", Some("solidref scale scaleref")),
-    ("reflectedSolid", "name solid sx sy sz rx ry rz dx dy dz lunit aunit", Some("")),
-    ("union", "name lunit aunit", Some(BOOLEAN)),
-    ("subtraction", "name lunit aunit", Some(BOOLEAN)),
-    ("intersection", "name lunit aunit", Some(BOOLEAN)),
     ("first", "ref", Some("")),
     ("second", "ref", Some("")),
     ("firstposition", "name x y z unit type", Some("")),
     ("firstrotation", "name x y z unit type", Some("")),
     ("firstpositionref", "ref", Some("")),
     ("firstrotationref", "ref", Some("")),
-    ("multiUnion", "name lunit aunit", Some("multiUnionNode loop")),
     ("multiUnionNode", "name", Some("solid position positionref rotation rotationref")),
     ("solid", "ref", Some("")),
-    ("opticalsurface", "name model finish type value", Some("property")),
     // structure
     ("volume", "name", None),
     ("assembly", "name", None),
@@ -134,12 +138,21 @@ const TABLE: &[Row] = &[
 const BOOLEAN: &str = "first second position positionref rotation rotationref firstposition firstpositionref firstrotation \
                        firstrotationref";
 
+/// The names of the elements in `<solids>`.
+pub(super) fn solids() -> impl Iterator<Item = &'static str> {
+    SOLIDS.iter().map(|row| row.0)
+}
+
+fn rows() -> impl Iterator<Item = &'static Row> {
+    OTHERS.iter().chain(SOLIDS)
+}
+
 /// Ending of the elements with the dimensions of parameterised volumes.
 const DIMENSIONS: &str = "_dimensions";
 
 /// Warns about unknown attributes and children in a file, once for each pair of names, with the first position.
 pub(super) fn check(context: &mut Context, root: &Element) {
-    let table: BTreeMap<&str, &Row> = TABLE.iter().map(|row| (row.0, row)).collect();
+    let table: BTreeMap<&str, &Row> = rows().map(|row| (row.0, row)).collect();
     let mut found = Found::default();
     let mut open = vec![root];
     while let Some(element) = open.pop() {
@@ -156,29 +169,29 @@ pub(super) fn check(context: &mut Context, root: &Element) {
             open.extend(element.children.iter().rev());
         }
     }
-    for (mut trouble, count) in found.list {
+    for (mut problem, count) in found.list {
         if count > 1 {
-            trouble.message += &format!(" It occurs {count} times.");
+            problem.message += &format!(" It occurs {count} times.");
         }
-        context.warn(trouble);
+        context.warn(problem);
     }
 }
 
 /// Warnings in file order, each with the number of its occurrences.
 #[derive(Default)]
 struct Found {
-    list: Vec<(Trouble, usize)>,
+    list: Vec<(Problem, usize)>,
     /// Index of the warning about a name in an element.
     known: BTreeMap<(String, String), usize>,
 }
 
 impl Found {
-    fn add(&mut self, element: &str, name: &str, place: Place, trouble: impl FnOnce(Place) -> Trouble) {
+    fn add(&mut self, element: &str, name: &str, place: Place, problem: impl FnOnce(Place) -> Problem) {
         let next = self.list.len();
         let index = *self.known.entry((element.to_owned(), name.to_owned())).or_insert(next);
         match self.list.get_mut(index) {
             Some((_, count)) => *count += 1,
-            None => self.list.push((trouble(place), 1)),
+            None => self.list.push((problem(place), 1)),
         }
     }
 
@@ -194,7 +207,7 @@ impl Found {
                 let message = format!("`{}` has no attribute `{name}`: it is ignored.", element.name);
                 // an attribute that is present cannot be the intended one
                 let missing = known.split(' ').filter(|other| element.attribute(other).is_none());
-                Trouble::new(message, place).did_you_mean(name, missing)
+                Problem::new(message, place).did_you_mean(name, missing)
             });
         }
     }
@@ -220,7 +233,7 @@ impl Found {
         let name = child.name.as_str();
         self.add(&element.name, name, child.place, |place| {
             let message = format!("`{}` has no element `{name}`: it is ignored.", element.name);
-            Trouble::new(message, place).did_you_mean(name, known.split(' '))
+            Problem::new(message, place).did_you_mean(name, known.split(' '))
         });
     }
 }
@@ -231,20 +244,13 @@ mod tests {
 
     #[test]
     fn every_element_has_one_row_and_every_child_has_one() {
-        let names: Vec<&str> = TABLE.iter().map(|row| row.0).collect();
-        for (k, (name, _, children)) in TABLE.iter().enumerate() {
+        let names: Vec<&str> = rows().map(|row| row.0).collect();
+        for (k, (name, _, children)) in rows().enumerate() {
             assert!(!names[..k].contains(name), "{name}");
             for child in children.unwrap_or_default().split(' ').filter(|child| !child.is_empty()) {
                 let is_quantity = child.ends_with("ref") || ["RL", "AL", "parameters"].contains(&child);
                 assert!(names.contains(&child) || is_quantity, "{child}");
             }
-        }
-    }
-
-    #[test]
-    fn every_solid_has_a_row() {
-        for tag in crate::gdml::solids::TAGS {
-            assert!(TABLE.iter().any(|row| row.0 == tag), "{tag}");
         }
     }
 }

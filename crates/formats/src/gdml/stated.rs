@@ -2,8 +2,8 @@
 
 use super::graph::{Daughter, Graph, Volume};
 use super::hierarchy::{Ancestry, order};
+use super::problem::Place;
 use super::solids::{Shape, Sizes};
-use super::trouble::Place;
 use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_model::{Node, Solid};
 use rayweave_scene::{Datum, Scene, Table, lookup};

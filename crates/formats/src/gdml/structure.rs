@@ -6,10 +6,10 @@ use super::define::{Role, inverse_rotation};
 use super::graph::{Auxiliary, Daughter, Graph, Volume};
 use super::materials;
 use super::optical;
+use super::problem::Place;
+use super::problem::Problem;
 use super::schema;
 use super::solids::{Library, Shape, with_dimensions};
-use super::trouble::Place;
-use super::trouble::Trouble;
 use super::xml::{self, Element};
 use crate::LossKind;
 use rayweave_math::{Affine, Vec3};
@@ -41,8 +41,8 @@ pub(super) fn read_file(
 ) -> Option<usize> {
     let root = match xml::read(&mut context.files, source) {
         Ok(root) => root,
-        Err(trouble) => {
-            context.error(trouble);
+        Err(problem) => {
+            context.error(problem);
             return None;
         }
     };
@@ -50,14 +50,14 @@ pub(super) fn read_file(
         if !root.children.iter().any(|child| SECTIONS.contains(&child.name.as_str())) {
             let message =
                 format!("the file is not GDML: its outermost element is `{}`, not `gdml`.", root.name);
-            context.error(Trouble::new(message, root.place));
+            context.error(Problem::new(message, root.place));
             return None;
         }
         let message = format!(
             "the outermost element is `{}`, not `gdml`: the file is read as an extension of GDML, as in Geant4.",
             root.name
         );
-        context.warn(Trouble::new(message, root.place));
+        context.warn(Problem::new(message, root.place));
     }
     schema::check(context, &root);
     let mut reader = StructureReader {
@@ -104,13 +104,13 @@ impl StructureReader<'_, '_> {
                     self.numbers.context.lose(
                         LossKind::Dropped,
                         "extension",
-                        Trouble::new(message, section.place),
+                        Problem::new(message, section.place),
                     );
                 }
                 other => {
-                    let trouble = Trouble::new(format!("unknown section `{other}`."), section.place);
-                    let trouble = trouble.did_you_mean(other, SECTIONS);
-                    self.numbers.context.lose(LossKind::Dropped, other, trouble);
+                    let problem = Problem::new(format!("unknown section `{other}`."), section.place);
+                    let problem = problem.did_you_mean(other, SECTIONS);
+                    self.numbers.context.lose(LossKind::Dropped, other, problem);
                 }
             }
         }
@@ -149,8 +149,8 @@ impl StructureReader<'_, '_> {
                 other => {
                     let message = format!("`{other}` is not an element of `structure`.");
                     let known = ["volume", "assembly", "skinsurface", "bordersurface", "loop"];
-                    let trouble = Trouble::new(message, element.place).did_you_mean(other, known);
-                    builder.numbers.context.lose(LossKind::Dropped, other, trouble);
+                    let problem = Problem::new(message, element.place).did_you_mean(other, known);
+                    builder.numbers.context.lose(LossKind::Dropped, other, problem);
                 }
             }
         });
@@ -160,11 +160,12 @@ impl StructureReader<'_, '_> {
     fn resolve(&mut self) {
         for pending in std::mem::take(&mut self.pending) {
             let Some(&volume) = self.names.get(&pending.name) else {
-                let trouble = Trouble::new(
+                let problem = Problem::new(
                     format!("unknown volume `{}`: no volume or assembly has this name.", pending.name),
                     pending.place,
                 );
-                self.numbers.tell(trouble.did_you_mean(&pending.name, self.names.keys().map(String::as_str)));
+                self.numbers
+                    .error(problem.did_you_mean(&pending.name, self.names.keys().map(String::as_str)));
                 continue;
             };
             self.graph.volumes[pending.mother].daughters[pending.daughter].volume = volume;
@@ -183,9 +184,9 @@ impl StructureReader<'_, '_> {
         };
         let found = self.names.get(&name).copied();
         if found.is_none() {
-            let trouble =
-                Trouble::new(format!("unknown volume `{name}`: no volume or assembly has this name."), place);
-            self.numbers.tell(trouble.did_you_mean(&name, self.names.keys().map(String::as_str)));
+            let problem =
+                Problem::new(format!("unknown volume `{name}`: no volume or assembly has this name."), place);
+            self.numbers.error(problem.did_you_mean(&name, self.names.keys().map(String::as_str)));
         }
         found
     }
@@ -204,11 +205,11 @@ impl StructureReader<'_, '_> {
                     "{what} The world is taken to be `{}`, the only volume without a placement",
                     self.graph.volumes[*only].name
                 );
-                self.numbers.context.warn(Trouble::new(message, root.place));
+                self.numbers.context.warn(Problem::new(message, root.place));
                 Some(*only)
             }
             _ => {
-                self.numbers.tell(Trouble::new(what, root.place));
+                self.numbers.error(Problem::new(what, root.place));
                 None
             }
         }
@@ -229,7 +230,7 @@ impl Builder<'_, '_> {
         let name = self.numbers.name(element)?;
         if self.names.contains_key(&name) {
             let message = format!("a second volume `{name}`: the first one is used.");
-            self.numbers.context.lose(LossKind::Dropped, &element.name, Trouble::new(message, element.place));
+            self.numbers.context.lose(LossKind::Dropped, &element.name, Problem::new(message, element.place));
             return Ok(());
         }
         let shape = self.shape(element).ok().flatten();
@@ -263,7 +264,7 @@ impl Builder<'_, '_> {
                         "the volume `{}` is missing, because its solid is refused; its daughters remain.",
                         element.text("name")
                     );
-                    self.numbers.context.warn(Trouble::new(message, element.place));
+                    self.numbers.context.warn(Problem::new(message, element.place));
                 }
                 Ok(found)
             }
@@ -271,7 +272,7 @@ impl Builder<'_, '_> {
             None => {
                 let message =
                     format!("the volume `{}` has no `solidref`: it is required.", element.text("name"));
-                Err(self.numbers.tell(Trouble::new(message, element.place)))
+                Err(self.numbers.error(Problem::new(message, element.place)))
             }
         }
     }
@@ -295,12 +296,12 @@ impl Builder<'_, '_> {
                 let message = format!(
                     "`{tag}` has no effect in a volume: Geant4 ignores it there. Move it to `{section}`."
                 );
-                self.numbers.context.lose(LossKind::Dropped, tag, Trouble::new(message, element.place));
+                self.numbers.context.lose(LossKind::Dropped, tag, Problem::new(message, element.place));
                 Ok(())
             }
             other => {
-                let trouble =
-                    Trouble::new(format!("`{other}` is not an element of a volume."), element.place);
+                let problem =
+                    Problem::new(format!("`{other}` is not an element of a volume."), element.place);
                 let known = [
                     "physvol",
                     "replicavol",
@@ -311,7 +312,7 @@ impl Builder<'_, '_> {
                     "auxiliary",
                     "loop",
                 ];
-                self.numbers.context.lose(LossKind::Dropped, other, trouble.did_you_mean(other, known));
+                self.numbers.context.lose(LossKind::Dropped, other, problem.did_you_mean(other, known));
                 Ok(())
             }
         }
@@ -347,7 +348,7 @@ impl Builder<'_, '_> {
     ) -> Result<(), Failure> {
         let Some(reference) = element.child("volumeref") else {
             let message = format!("the `{}` has no `volumeref`: it is required.", element.name);
-            return Err(self.numbers.tell(Trouble::new(message, element.place)));
+            return Err(self.numbers.error(Problem::new(message, element.place)));
         };
         let (name, place) = self.numbers.reference(reference, "ref")?;
         let daughters = &mut self.graph.volumes[mother].daughters;
@@ -366,7 +367,7 @@ impl Builder<'_, '_> {
         if scale.to_array().contains(&0.0) {
             return Err(self
                 .numbers
-                .tell(Trouble::new("a scale factor is 0: the volume would be flat.", element.place)));
+                .error(Problem::new("a scale factor is 0: the volume would be flat.", element.place)));
         }
         let signs = Vec3::from_array(scale.to_array().map(f64::signum));
         if (scale - signs).abs().max_element() > UNIT_SCALE {
@@ -378,7 +379,7 @@ impl Builder<'_, '_> {
                 scale.x, scale.y, scale.z
             );
             let place = child.map_or(element.place, |child| child.place);
-            self.numbers.context.warn(Trouble::new(message, place));
+            self.numbers.context.warn(Problem::new(message, place));
         }
         Ok(Affine::scale(signs).then(&inverse_rotation(angles)).then(&Affine::translate(position)))
     }
@@ -403,7 +404,7 @@ impl Builder<'_, '_> {
             (false, false) => None,
         };
         if let Some(message) = refusal {
-            return Err(self.numbers.tell(Trouble::new(message, attribute.place)));
+            return Err(self.numbers.error(Problem::new(message, attribute.place)));
         }
         let source = super::source::included(&context.files.allowed, &path);
         let source = source.and_then(|source| match source.text().contains("<gdml") {
@@ -412,7 +413,7 @@ impl Builder<'_, '_> {
         });
         let source = source.map_err(|reason| {
             let message = format!("the file {} cannot be read: {reason}.", path.display());
-            self.numbers.tell(Trouble::new(message, attribute.place))
+            self.numbers.error(Problem::new(message, attribute.place))
         })?;
         let context = &mut *self.numbers.context;
         context.open.push(path);
@@ -429,7 +430,7 @@ impl Builder<'_, '_> {
             // syntax of older files
             (None, Some(_)) => self.row_of(element)?,
             (None, None) => {
-                return Err(self.numbers.tell(Trouble::new(
+                return Err(self.numbers.error(Problem::new(
                     "`replicavol` has no `replicate_along_axis`: it is required.",
                     element.place,
                 )));
@@ -442,7 +443,7 @@ impl Builder<'_, '_> {
     /// `<replicate_along_axis>`: direction, width and offset as child elements.
     fn row_along(&mut self, along: &Element) -> Result<row::Row, Failure> {
         let Some(axis) = along.child("direction").and_then(row::direction) else {
-            return Err(self.numbers.tell(Trouble::new(
+            return Err(self.numbers.error(Problem::new(
                 "the direction is missing: one of x, y, z, rho, phi must be 1.",
                 along.place,
             )));
@@ -459,10 +460,10 @@ impl Builder<'_, '_> {
     fn row_of(&mut self, element: &Element) -> Result<row::Row, Failure> {
         let attribute = self.numbers.need(element, "axis")?;
         let Some(axis) = row::axis(&attribute.value) else {
-            let trouble = Trouble::new(format!("`{}` is not an axis", attribute.value), attribute.place);
+            let problem = Problem::new(format!("`{}` is not an axis", attribute.value), attribute.place);
             return Err(self
                 .numbers
-                .tell(trouble.did_you_mean(&attribute.value, row::AXES.map(|row| row.0))));
+                .error(problem.did_you_mean(&attribute.value, row::AXES.map(|row| row.0))));
         };
         let width = copies::quantity(self.numbers, element, axis, "width");
         let offset = copies::quantity(self.numbers, element, axis, "offset");

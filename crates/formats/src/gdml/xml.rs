@@ -5,7 +5,7 @@
 //! Entities may refer to other entities. An entity expansion limit prevents short files from exhausting memory ("billion
 //! laughs").
 
-use super::trouble::{Place, Trouble};
+use super::problem::{Place, Problem};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Error, Reader};
 use rayweave_scene::{Diagnostic, Source, Span};
@@ -170,7 +170,7 @@ impl Files {
 /// # Errors
 ///
 /// The first position where the text is not well-formed XML, an unresolved entity, or an exceeded limit.
-pub(super) fn read(files: &mut Files, source: Arc<Source>) -> Result<Element, Trouble> {
+pub(super) fn read(files: &mut Files, source: Arc<Source>) -> Result<Element, Problem> {
     let file = files.add(source.clone());
     let mut tree = Tree {
         files,
@@ -186,11 +186,11 @@ pub(super) fn read(files: &mut Files, source: Arc<Source>) -> Result<Element, Tr
     let mut roots = tree.roots;
     match roots.len() {
         1 => Ok(roots.remove(0)),
-        0 => Err(Trouble::new(
+        0 => Err(Problem::new(
             "the file has no element: it is empty, or not XML.",
             Place { file, span: Span::default() },
         )),
-        _ => Err(Trouble::new(
+        _ => Err(Problem::new(
             format!(
                 "a second element `{}` after the end of the first: a file has one root element.",
                 roots[1].name
@@ -222,7 +222,7 @@ struct Tree<'f> {
 
 impl Tree<'_> {
     /// Parses a text into the innermost open element.
-    fn text(&mut self, file: u32, source: &Arc<Source>, depth: usize) -> Result<(), Trouble> {
+    fn text(&mut self, file: u32, source: &Arc<Source>, depth: usize) -> Result<(), Problem> {
         let text = source.text();
         let floor = self.open.len();
         let mut reader = Reader::from_str(text);
@@ -232,7 +232,7 @@ impl Tree<'_> {
             let span = Span::new(before.min(text.len()), (reader.buffer_position() as usize).min(text.len()));
             let place = Place { file, span };
             match event
-                .map_err(|error| syntax_trouble(&error, place, reader.error_position() as usize, text))?
+                .map_err(|error| syntax_problem(&error, place, reader.error_position() as usize, text))?
             {
                 Event::Start(tag) => self.start(&tag, place, depth)?,
                 Event::Empty(tag) => {
@@ -249,7 +249,7 @@ impl Tree<'_> {
         }
         match self.open.get(floor) {
             None => Ok(()),
-            Some(element) => Err(Trouble::new(
+            Some(element) => Err(Problem::new(
                 format!(
                     "the element `{}` is not closed: the text ends before `</{}>`.",
                     element.name, element.name
@@ -259,9 +259,9 @@ impl Tree<'_> {
         }
     }
 
-    fn start(&mut self, tag: &BytesStart, place: Place, depth: usize) -> Result<(), Trouble> {
+    fn start(&mut self, tag: &BytesStart, place: Place, depth: usize) -> Result<(), Problem> {
         if self.open.len() >= DEEPEST {
-            return Err(Trouble::new(
+            return Err(Problem::new(
                 format!("more than {DEEPEST} nested elements: GDML never nests so deeply."),
                 place,
             ));
@@ -273,10 +273,10 @@ impl Tree<'_> {
                 let message = format!(
                     "the element has more than {MAX_ATTRIBUTES} attributes: GDML has no use for them."
                 );
-                return Err(Trouble::new(message, place));
+                return Err(Problem::new(message, place));
             }
             let attribute =
-                attribute.map_err(|error| Trouble::new(format!("the tag is malformed: {error}."), place))?;
+                attribute.map_err(|error| Problem::new(format!("the tag is malformed: {error}."), place))?;
             let at = place.span.start() + 1 + offset_in(tag, &attribute.value);
             let place = Place { file: place.file, span: Span::new(at, at + attribute.value.len()) };
             let value = self.unescaped(&attribute.value, place, depth)?;
@@ -323,7 +323,7 @@ impl Tree<'_> {
     }
 
     /// A reference in the content: parses the replacement text in its place.
-    fn refer(&mut self, name: &str, place: Place, depth: usize) -> Result<(), Trouble> {
+    fn refer(&mut self, name: &str, place: Place, depth: usize) -> Result<(), Problem> {
         if character(name).is_some() {
             return Ok(());
         }
@@ -336,14 +336,14 @@ impl Tree<'_> {
             Entity::File(path) => {
                 let source =
                     Arc::new(super::source::included(&self.files.allowed, &path).map_err(|reason| {
-                        Trouble::new(
+                        Problem::new(
                             format!("the entity `{name}` cannot be read ({}: {reason})", path.display()),
                             place,
                         )
                     })?);
                 self.included += source.text().len();
                 if self.included > MAX_INCLUDED {
-                    return Err(Trouble::new(
+                    return Err(Problem::new(
                         format!("the files of the entities have more than {} MiB", MAX_INCLUDED >> 20),
                         place,
                     ));
@@ -355,24 +355,24 @@ impl Tree<'_> {
         self.text(file, &source, depth + 1)
     }
 
-    fn count(&mut self, place: Place, depth: usize) -> Result<(), Trouble> {
+    fn count(&mut self, place: Place, depth: usize) -> Result<(), Problem> {
         self.references += 1;
         if depth >= DEEPEST_ENTITY {
-            return Err(Trouble::new(
+            return Err(Problem::new(
                 format!("entities are nested more than {DEEPEST_ENTITY} deep. Does one contain itself?"),
                 place,
             ));
         }
         if self.references > MAX_REFERENCES {
-            return Err(Trouble::new(format!("more than {MAX_REFERENCES} references to entities"), place));
+            return Err(Problem::new(format!("more than {MAX_REFERENCES} references to entities"), place));
         }
         Ok(())
     }
 
-    fn expand(&mut self, bytes: usize, name: &str, place: Place) -> Result<(), Trouble> {
+    fn expand(&mut self, bytes: usize, name: &str, place: Place) -> Result<(), Problem> {
         self.expanded += bytes;
         match self.expanded > MAX_EXPANDED {
-            true => Err(Trouble::new(
+            true => Err(Problem::new(
                 format!(
                     "the entity `{name}` makes the text longer than {} MiB. Do entities repeat each other?",
                     MAX_EXPANDED >> 20
@@ -383,12 +383,12 @@ impl Tree<'_> {
         }
     }
 
-    fn entity(&self, name: &str, place: Place) -> Result<Entity, Trouble> {
+    fn entity(&self, name: &str, place: Place) -> Result<Entity, Problem> {
         match self.entities.get(name) {
             Some((entity, _)) => Ok(entity.clone()),
             None => {
                 let known = self.entities.keys().map(String::as_str);
-                Err(Trouble::new(
+                Err(Problem::new(
                     format!("unknown entity `&{name};`: no <!ENTITY {name} ..> declares it."),
                     place,
                 )
@@ -398,12 +398,12 @@ impl Tree<'_> {
     }
 
     /// Value of an attribute with expanded references.
-    fn unescaped(&mut self, raw: &str, place: Place, depth: usize) -> Result<String, Trouble> {
+    fn unescaped(&mut self, raw: &str, place: Place, depth: usize) -> Result<String, Problem> {
         let (mut value, mut rest) = (String::with_capacity(raw.len()), raw);
         while let Some(at) = rest.find('&') {
             value += &rest[..at];
             let end = rest[at..].find(';').ok_or_else(|| {
-                Trouble::new(
+                Problem::new(
                     "a value has a `&` without `;`: it begins a reference. Did you mean `&amp;`?",
                     place,
                 )
@@ -419,10 +419,10 @@ impl Tree<'_> {
         Ok(value)
     }
 
-    fn replacement(&mut self, name: &str, place: Place, depth: usize) -> Result<String, Trouble> {
+    fn replacement(&mut self, name: &str, place: Place, depth: usize) -> Result<String, Problem> {
         self.count(place, depth)?;
         match self.entity(name, place)? {
-            Entity::File(_) => Err(Trouble::new(
+            Entity::File(_) => Err(Problem::new(
                 format!("the entity `{name}` is a file, which is not allowed in a value"),
                 place,
             )),
@@ -434,7 +434,7 @@ impl Tree<'_> {
     }
 
     /// Reads the entities of a document type; other declarations have no effect.
-    fn declare(&mut self, declaration: &str, text: &str, file: u32) -> Result<(), Trouble> {
+    fn declare(&mut self, declaration: &str, text: &str, file: u32) -> Result<(), Problem> {
         let base = text.find(declaration).unwrap_or(0);
         let mut at = 0;
         while let Some(found) = declaration[at..].find("<!ENTITY") {
@@ -452,7 +452,7 @@ impl Tree<'_> {
                     (*name, Entity::Text(Arc::new(source)))
                 }
                 _ => {
-                    return Err(Trouble::new(
+                    return Err(Problem::new(
                         "the declaration of an entity is malformed: the forms are <!ENTITY name \"text\"> and <!ENTITY name SYSTEM \"file\">.",
                         place,
                     ));
@@ -505,12 +505,12 @@ fn offset_in(text: &str, part: &str) -> usize {
     if offset <= text.len() { offset } else { 0 }
 }
 
-fn syntax_trouble(error: &Error, place: Place, at: usize, text: &str) -> Trouble {
+fn syntax_problem(error: &Error, place: Place, at: usize, text: &str) -> Problem {
     let at = at.min(text.len());
     let span = if at > place.span.start() {
         Span::new(place.span.start(), at)
     } else {
         Span::new(at, at.max(place.span.end()))
     };
-    Trouble::new(format!("the file is not well-formed XML: {error}."), Place { span, ..place })
+    Problem::new(format!("the file is not well-formed XML: {error}."), Place { span, ..place })
 }

@@ -6,9 +6,9 @@ use crate::LossKind;
 use crate::gdml::attributes::{Failure, Numbers, degrees};
 use crate::gdml::context::Context;
 use crate::gdml::graph::{Daughter, Graph, Volume};
+use crate::gdml::problem::Problem;
 use crate::gdml::shape::{Made, Phi, cuboid, faceted, of, round};
 use crate::gdml::solids::{Shape, Sizes};
-use crate::gdml::trouble::Trouble;
 use crate::gdml::units;
 use crate::gdml::xml::Element;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees};
@@ -46,7 +46,7 @@ fn factor(numbers: &mut Numbers, element: &Element, is_angle: bool) -> Result<f6
             let what = if is_angle { "an angle" } else { "a length" };
             let message =
                 format!("`{symbol}` is not a unit of {what}: 1 mm is read as 1 rad here, as in Geant4.");
-            numbers.context.warn(Trouble::new(message, attribute.place));
+            numbers.context.warn(Problem::new(message, attribute.place));
             return Ok(factor);
         }
     }
@@ -72,7 +72,7 @@ pub(super) fn spread(context: &mut Context, graph: &mut Graph, pending: &Pending
             let daughter = &graph.volumes[pending.mother].daughters[pending.daughter];
             let reason = if let Failure::Refused(reason) = failure { reason } else { String::new() };
             let message = format!("the copies of `{}` are refused: {reason}.", pending.name);
-            context.lose(LossKind::Refused, "copies", Trouble::new(message, daughter.place));
+            context.lose(LossKind::Refused, "copies", Problem::new(message, daughter.place));
         }
     }
 }

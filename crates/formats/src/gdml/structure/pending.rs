@@ -1,8 +1,8 @@
 //! Daughters whose volumes are not resolved yet.
 
 use super::row::Row;
+use crate::gdml::problem::Place;
 use crate::gdml::solids::Shape;
-use crate::gdml::trouble::Place;
 
 /// A daughter whose volume is not resolved yet.
 pub struct Pending {

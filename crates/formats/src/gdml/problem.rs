@@ -11,18 +11,18 @@ pub(super) struct Place {
 
 /// A problem and its position.
 #[derive(Clone, Debug)]
-pub struct Trouble {
+pub struct Problem {
     pub message: String,
     pub place: Place,
 }
 
-impl Trouble {
-    pub fn new(message: impl Into<String>, place: Place) -> Trouble {
-        Trouble { message: message.into(), place }
+impl Problem {
+    pub fn new(message: impl Into<String>, place: Place) -> Problem {
+        Problem { message: message.into(), place }
     }
 
     /// Adds a spelling suggestion.
-    pub fn did_you_mean<'a>(mut self, name: &str, known: impl IntoIterator<Item = &'a str>) -> Trouble {
+    pub fn did_you_mean<'a>(mut self, name: &str, known: impl IntoIterator<Item = &'a str>) -> Problem {
         if let Some(nearest) = rayweave_error::did_you_mean(name, known) {
             self.message += &format!(" Did you mean `{nearest}`?");
         }
