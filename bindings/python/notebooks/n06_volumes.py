@@ -47,20 +47,26 @@ assert abs(found.centre[0, 2] - moments / exact) < 3 * found.centre_half_width[0
 # %%
 # How honest are the intervals?
 # -----------------------------
-# An interval at the level of 90 % should contain the truth in at least 90 of 100 independent measurements. Each seed is an
-# independent measurement.
+# An interval at the level of 90 % should contain the truth in about 90 of 100 independent measurements. Each seed is an
+# independent measurement. The first rays only determine how many rays each region needs, and the result comes from further
+# rays: otherwise a region that happens to look precise would stop early, with an interval that is too short. A small region
+# beside a large one, here a pin in one of the holes, is the hardest case.
 
-runs = [rw.measure(flange, precision=0.01, confidence=0.9, seed=seed) for seed in range(100)]
-values = np.array([run.volume[0] for run in runs])
-widths = np.array([run.volume_half_width[0] for run in runs])
-inside = np.abs(values - exact) <= widths
-print(f"{inside.sum()} of 100 intervals contain the truth; they are meant to be at least 90")
+pin = rw.cylinder(3, 8).translate([30, 0, 0])
+exactly = np.array([exact, np.pi * 3**2 * 8])
+runs = [rw.measure({"flange": flange, "pin": pin}, precision=0.05, confidence=0.9, seed=seed) for seed in range(100)]
+errors = np.array([run.volume for run in runs]) / exactly - 1
+widths = np.array([run.volume_half_width for run in runs]) / exactly
+inside = np.sum(np.abs(errors) <= widths, axis=0)
+print(f"{inside[0]} intervals of the flange and {inside[1]} of the pin contain the truth, of 100 each")
 
-figure, axis = plt.subplots(figsize=(8, 3), layout="constrained")
-axis.errorbar(np.arange(100), values - exact, widths, fmt=".", ms=3, lw=0.8)
-axis.axhline(0, color="black", lw=0.8)
-axis.set(xlabel="seed", ylabel="error of the volume in mm³")
-assert inside.sum() >= 85
+figure, axes = plt.subplots(2, figsize=(8, 4), layout="constrained", sharex=True)
+for axis, name, error, width in zip(axes, ("flange", "pin"), errors.T, widths.T, strict=True):
+    axis.errorbar(np.arange(100), 100 * error, 100 * width, fmt=".", ms=3, lw=0.8)
+    axis.axhline(0, color="black", lw=0.8)
+    axis.set(ylabel=f"error of the {name} in %")
+axes[1].set(xlabel="seed")
+assert (inside >= 80).all()
 
 # %%
 # Rays and precision

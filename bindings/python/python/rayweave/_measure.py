@@ -92,8 +92,8 @@ def measure(
 ) -> Measurement:
     """Measure the regions of a model, a solid, or several solids, by stratified rays.
 
-    Rays are added until half the width of each volume's interval, at the level of `confidence`, is at most `precision` times the
-    volume, or until `most_rays` rays have been traced. `most_rays` counts the rays of each region, in a model of more than 32
+    A first round of rays determines how many rays each region needs, so that half the width of its volume's interval, at the level of
+    `confidence`, is at most `precision` times the volume. The results come from further rays alone, at most `most_rays`. `most_rays` counts the rays of each region, in a model of more than 32
     regions those of all regions together; its default is 2^24, or fewer in models where many shapes overlap, so that all
     rays reach at most 2^23 shapes. Parts of a region that later regions cover do not count. `within` (2, 3), the corners of a box, restricts the
     measurement to the box. Equal seeds give equal results, regardless of the number of threads. `progress=True` shows the progress on

@@ -25,9 +25,8 @@
 //!
 //! A half width is the quantile of the normal distribution times the estimated standard deviation. It reflects only
 //! the observed rays, all of which can miss a part much thinner than their spacing. Models with very small parts
-//! therefore need more rays than the precision requires. Rounds of rays are added until the precision is
-//! reached, which makes intervals slightly too short on average (by less than the variation of the estimated
-//! deviation).
+//! therefore need more rays than the precision requires. The rays that decide how many more are needed do not count in the result:
+//! `plan` states why.
 
 pub(crate) mod cells;
 mod chord;
@@ -35,6 +34,7 @@ mod error;
 mod estimate;
 mod exact;
 mod moments;
+mod plan;
 mod run;
 mod scene;
 mod share;

@@ -3,6 +3,7 @@
 use super::MeasureError;
 use super::cells::{Cells, Sums};
 use super::estimate::{Estimate, Measured, Measurement, quantile, report, volume_weights};
+use super::plan::{self, Limits, Plan, Traced};
 use super::tally::Tally;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
@@ -84,10 +85,10 @@ impl MeasureSettings {
 
 /// Measures all regions of a model.
 ///
-/// A first round of rays samples the whole model. Each region below the precision then gets rounds through
-/// its own box, each with twice as many rays as the one before, until the precision
-/// ([`Measured::is_reached`]) or `most_rays` is reached. The rounds are independent estimates; they are
-/// combined with weights that depend only on the density of their rays.
+/// A first round of rays samples the whole model. Each region then gets rounds through its own box, each of a size that follows from
+/// the round before it, until one that is expected to reach the precision does ([`Measured::is_reached`]), or until `most_rays` is
+/// reached. The results are those of the last round alone: rays that decide on the number of further rays would make the results biased
+/// and the intervals too short. Regions for which the first round is large enough share a second one of the same size.
 ///
 /// In a model of more than 32 regions the rounds serve many regions at once. As long as the boxes of the regions below the
 /// precision overlap so much that a random ray through the box around them crosses one on average, a round samples that
@@ -157,7 +158,7 @@ pub fn measure_with_progress<E: Evaluator>(
     let (traced, streams) = (0, 0);
     let mut run =
         Run { evaluator, settings, axes, load, left, first, progress, quantile, traced, streams, reached };
-    let mut results = vec![Joined::default(); count];
+    let mut results = vec![Latest::default(); count];
     if !whole.is_empty() {
         check_bounds(program, &whole)?;
         run.round(&whole, &in_whole, first, |_| true, &mut results)?;
@@ -167,18 +168,22 @@ pub fn measure_with_progress<E: Evaluator>(
         true => Some(run.refine_together(&boxes, whole, &mut results)?),
         false => None,
     };
+    let spent = if together.is_none() { run.repeat_first(&whole, &in_whole, &mut results)? } else { 0 };
     let mut regions = Vec::with_capacity(count);
     for (region, info) in program.regions().iter().enumerate() {
         let own = match &together {
             Some(rays) => rays[region],
-            None => run.refine(region, &boxes[region], (count - region) as u64, &mut results)?,
+            None => {
+                let spent = if results[region].is_final { spent } else { 0 };
+                run.refine(region, &boxes[region], (count - region) as u64, spent, &mut results)?
+            }
         };
-        let joined = &results[region];
+        let latest = &results[region];
         let found = Measured {
             name: info.name.clone(),
-            rays: joined.rays,
-            is_reached: run.is_reached(joined),
-            ..report(&joined.mean(), joined.origin, quantile)
+            rays: latest.rays,
+            is_reached: run.is_reached(latest),
+            ..report(&latest.tally, latest.origin, quantile)
         };
         regions.push(match found.longest {
             None => uncrossed(found, &boxes[region], own, settings.confidence),
@@ -313,30 +318,23 @@ fn checked(settings: &MeasureSettings) -> Result<f64, MeasureError> {
     }
 }
 
-/// The combined rounds of a region.
+/// The last round of a region, and what its rounds tell about the next.
 #[derive(Clone, Debug, Default)]
-struct Joined {
-    /// The weighted sum of all rounds, about `origin`.
-    sum: Tally,
-    weight: f64,
+struct Latest {
+    /// The sums about `origin`.
+    tally: Tally,
     origin: Vec3,
+    plan: Plan,
+    /// True if the round is large enough by earlier rounds; only such a round is reported, if the limits permit it.
+    is_final: bool,
+    /// The number of rays of all rounds.
     rays: u64,
 }
 
-impl Joined {
-    fn mean(&self) -> Tally {
-        if self.weight > 0.0 { self.sum.scaled(1.0 / self.weight) } else { Tally::default() }
-    }
-
-    /// Adds a round of rays, about the same or another point.
-    fn join(&mut self, tally: &Tally, weight: f64, origin: Vec3, rays: u64) {
-        if origin != self.origin {
-            // the first round in the region's own box: the few earlier rays are dropped, since they do not justify a change of origin
-            *self = Joined { origin, rays: self.rays, ..Joined::default() };
-        }
-        self.sum.add(tally, weight, weight);
-        self.weight += weight;
-        self.rays += rays;
+impl Latest {
+    /// The number of rays through the box of the region since the last round that crossed it, after one of so many rays.
+    fn passed(&self, before: u64, rays: u64) -> u64 {
+        if self.plan.is_met() { 0 } else { before + rays }
     }
 }
 
@@ -394,9 +392,9 @@ pub(super) fn check_bounds(program: &Program, bounds: &Bounds) -> Result<(), Mea
 }
 
 impl<E: Evaluator> Run<'_, E> {
-    fn is_reached(&self, joined: &Joined) -> bool {
-        let (mean, weights) = (joined.mean(), volume_weights());
-        self.quantile * mean.deviation(&weights) <= self.settings.precision * mean.value(&weights)
+    fn is_reached(&self, latest: &Latest) -> bool {
+        let (tally, weights) = (&latest.tally, volume_weights());
+        self.quantile * tally.deviation(&weights) <= self.settings.precision * tally.value(&weights)
     }
 
     /// The number of rays that may follow, by the shapes that they reach, where rays along the axes reach these numbers each.
@@ -404,57 +402,79 @@ impl<E: Evaluator> Run<'_, E> {
         self.axes.affordable(load, self.left)
     }
 
-    /// Runs rounds for one region in its own box, the first of `count` regions left; returns three times the number of rays along the
-    /// axis with the fewest.
+    /// Repeats the first round for the regions for which it predicts that so many rays suffice: one round for all of them. Returns
+    /// the number of its rays, or 0 if there are none.
+    fn repeat_first(
+        &mut self,
+        whole: &Bounds,
+        load: &[f64; 3],
+        results: &mut [Latest],
+    ) -> Result<u64, MeasureError> {
+        let (rays, unit) = (self.axes.rays(self.first), self.unit(whole));
+        let precision = self.settings.precision;
+        let is_enough = |latest: &Latest| latest.plan.is_enough(unit, precision, self.first as f64);
+        let easy: Vec<bool> = results.iter().map(is_enough).collect();
+        if !easy.contains(&true) || rays > self.affordable(load).min(self.settings.most_rays) {
+            return Ok(0);
+        }
+        self.round(whole, load, self.first, |region| easy[region], results)?;
+        results.iter_mut().zip(easy).for_each(|(latest, is_easy)| latest.is_final = is_easy);
+        Ok(rays)
+    }
+
+    /// Runs rounds for one region in its own box, the first of `count` regions left, which has spent some rays; returns three times the
+    /// number of rays along the axis with the fewest, of the rounds since the last one that crossed it.
     fn refine(
         &mut self,
         region: usize,
         bounds: &Bounds,
         count: u64,
-        results: &mut [Joined],
+        mut spent: u64,
+        results: &mut [Latest],
     ) -> Result<u64, MeasureError> {
-        let mut across = self.first;
-        let (mut spent, mut least) = (0, 0);
-        let load = self.load.along_axes(bounds);
+        let mut passed = 0;
+        let (load, unit) = (self.load.along_axes(bounds), self.unit(bounds));
         let kept = if self.left == u64::MAX { 0 } else { self.left - self.left / count };
-        while !bounds.is_empty() && !self.is_finished(&results[region], spent) {
+        while !bounds.is_empty() && !self.is_finished(&results[region], passed) {
             let affordable = self.axes.affordable(&load, self.left.saturating_sub(kept));
             let most = self.axes.across_of(affordable.min(self.settings.most_rays - spent));
-            if most == 0 {
+            let limits = Limits { least: self.first, most };
+            let Some(next) = results[region].plan.next(unit, self.settings.precision, limits) else {
                 break;
-            }
-            // the number of rays doubles, up to the limit
-            across = (across * 99).div_ceil(70).min(most);
-            spent += self.axes.rays(across);
-            least += 6 * self.axes.least(across).pow(2);
-            self.round(bounds, &load, across, |own| own == region, results)?;
+            };
+            spent += self.axes.rays(next.across);
+            self.round(bounds, &load, next.across, |own| own == region, results)?;
+            let latest = &mut results[region];
+            latest.is_final = next.is_final;
+            passed = latest.passed(passed, 6 * self.axes.least(next.across).pow(2));
         }
-        Ok(least)
+        Ok(passed)
     }
 
-    /// Runs rounds for all regions together; returns, for each region, the number of rays of these rounds that certainly pass its box.
+    /// Runs rounds for all regions together; returns, for each region, the number of rays that certainly pass its box, of the rounds
+    /// since the last one that crossed it.
     fn refine_together(
         &mut self,
         boxes: &[Bounds],
         whole: Bounds,
-        results: &mut [Joined],
+        results: &mut [Latest],
     ) -> Result<Vec<u64>, MeasureError> {
         let (mut passed, mut left) = (vec![0; boxes.len()], self.settings.most_rays);
-        let (mut shared, mut common, mut alone) = (self.first, whole, self.first / 2);
+        let (mut common, mut is_closed) = (whole, vec![false; boxes.len()]);
         let in_whole = self.load.along_axes(&whole);
         let loads: Option<Vec<[f64; 3]>> = (boxes.len().saturating_mul(self.load.len()) <= MOST_COMPARED)
             .then(|| boxes.iter().map(|own| self.load.along_axes(own)).collect());
         loop {
-            let is_open = |region: usize| {
-                !boxes[region].is_empty() && !self.is_finished(&results[region], passed[region])
+            let is_open = |&region: &usize| {
+                !boxes[region].is_empty()
+                    && !is_closed[region]
+                    && !self.is_finished(&results[region], passed[region])
             };
-            let open: Vec<bool> = (0..boxes.len()).map(is_open).collect();
-            let listed: Vec<usize> = (0..boxes.len()).filter(|&region| open[region]).collect();
+            let listed: Vec<usize> = (0..boxes.len()).filter(is_open).collect();
             if listed.is_empty() {
                 return Ok(passed);
             }
             let around = listed.iter().fold(Bounds::EMPTY, |all, &region| all.union(&boxes[region]));
-            // a new box costs the earlier rays, which are sums about another point: see `Joined::join`
             if sides(&around) < 0.5 * sides(&common) {
                 common = around;
             }
@@ -462,40 +482,76 @@ impl<E: Evaluator> Run<'_, E> {
             if crossed >= sides(&common) {
                 let load = self.load.along_axes(&common);
                 let most = self.axes.across_of(self.affordable(&load).min(left));
-                shared = (shared * 99).div_ceil(70).min(most);
-                if shared == 0 {
+                let Some(across) = self.shared_round(&common, &load, &listed, most, results)? else {
                     return Ok(passed);
-                }
-                left -= self.axes.rays(shared);
-                self.round(&common, &load, shared, |region| open[region], results)?;
+                };
+                left -= self.axes.rays(across);
                 listed.iter().for_each(|&region| {
-                    passed[region] += surely_inside(&boxes[region], &common, self.axes.least(shared))
+                    let rays = surely_inside(&boxes[region], &common, self.axes.least(across));
+                    passed[region] = results[region].passed(passed[region], rays);
                 });
-            } else {
-                let load_of = |region: usize| loads.as_ref().map_or(in_whole, |loads| loads[region]);
-                let reached: f64 = listed
-                    .iter()
-                    .map(|&region| self.axes.mean(&load_of(region).map(|load| load.max(1.0))))
-                    .sum();
-                let affordable = if self.left == u64::MAX { f64::MAX } else { self.left as f64 / reached };
-                let most = self.axes.across_of((affordable as u64).min(left / listed.len() as u64));
-                alone = (alone * 99).div_ceil(70).min(most);
-                if alone == 0 {
-                    return Ok(passed);
-                }
-                for &region in &listed {
-                    left -= self.axes.rays(alone);
-                    passed[region] += 6 * self.axes.least(alone).pow(2);
-                    self.round(&boxes[region], &load_of(region), alone, |own| own == region, results)?;
-                }
+                continue;
+            }
+            let load_of = |region: usize| loads.as_ref().map_or(in_whole, |loads| loads[region]);
+            let reached = |&region: &usize| self.axes.mean(&load_of(region).map(|load| load.max(1.0)));
+            let reached: f64 = listed.iter().map(reached).sum();
+            let affordable = if self.left == u64::MAX { f64::MAX } else { self.left as f64 / reached };
+            let most = self.axes.across_of((affordable as u64).min(left / listed.len() as u64));
+            for &region in &listed {
+                let limits = Limits { least: self.first / 2, most };
+                let (unit, plan) = (self.unit(&boxes[region]), &results[region].plan);
+                let Some(next) = plan.next(unit, self.settings.precision, limits) else {
+                    is_closed[region] = true;
+                    continue;
+                };
+                left -= self.axes.rays(next.across);
+                self.round(&boxes[region], &load_of(region), next.across, |own| own == region, results)?;
+                let latest = &mut results[region];
+                latest.is_final = next.is_final;
+                passed[region] = latest.passed(passed[region], 6 * self.axes.least(next.across).pow(2));
             }
         }
     }
 
+    /// Runs a round through a box for some regions together; returns the number of cells along an edge, or `None` if the limit does not
+    /// permit a round as large as the last.
+    fn shared_round(
+        &mut self,
+        common: &Bounds,
+        load: &[f64; 3],
+        listed: &[usize],
+        most: u64,
+        results: &mut [Latest],
+    ) -> Result<Option<u64>, MeasureError> {
+        let (unit, precision) = (self.unit(common), self.settings.precision);
+        let plans: Vec<Plan> = listed.iter().map(|&region| results[region].plan).collect();
+        let limits = Limits { least: self.first, most };
+        let Some(next) = plan::next_together(&plans, unit, precision, limits) else {
+            return Ok(None);
+        };
+        let mut is_listed = vec![false; results.len()];
+        listed.iter().for_each(|&region| is_listed[region] = true);
+        self.round(common, load, next.across, |region| is_listed[region], results)?;
+        for (&region, before) in listed.iter().zip(&plans) {
+            results[region].is_final = next.is_final || before.is_enough(unit, precision, next.across as f64);
+        }
+        Ok(Some(next.across))
+    }
+
+    /// The density of a round of one cell along an edge of a box.
+    fn unit(&self, bounds: &Bounds) -> f64 {
+        let size = bounds.size();
+        let along =
+            |axis: usize| self.axes.across[axis].powi(2) / (size[(axis + 1) % 3] * size[(axis + 2) % 3]);
+        (0..3).map(along).sum()
+    }
+
     /// True if no more rays are needed. A region that no ray crossed gets one more round.
-    fn is_finished(&self, joined: &Joined, spent: u64) -> bool {
-        let is_met = joined.weight > 0.0 && joined.mean().moments[0] > 0.0;
-        self.is_reached(joined) && (is_met || spent > 0)
+    fn is_finished(&self, latest: &Latest, passed: u64) -> bool {
+        match latest.plan.is_met() {
+            true => latest.is_final && self.is_reached(latest),
+            false => passed > 0,
+        }
     }
 
     /// Traces rays along all three axes through a box, for some of the regions; `load` is the number of shapes that each reaches, and
@@ -506,7 +562,7 @@ impl<E: Evaluator> Run<'_, E> {
         load: &[f64; 3],
         across: u64,
         is_wanted: impl Fn(usize) -> bool,
-        results: &mut [Joined],
+        results: &mut [Latest],
     ) -> Result<(), MeasureError> {
         let mut tallies: BTreeMap<usize, Tally> = BTreeMap::new();
         let (mut density, mut crossings) = (0.0, 0);
@@ -536,16 +592,21 @@ impl<E: Evaluator> Run<'_, E> {
             // most shapes are crossed twice; rays in the box of a region may reach more than the load, that of the whole model
             self.left = self.left.saturating_sub(self.axes.reached(load, across).max(crossings / 2));
         }
-        // the variance decreases as the power -3/2 of the number of cells
-        let (weight, rays) = (density * density.sqrt(), self.axes.rays(across));
+        let rays = self.axes.rays(across);
         let all = results.iter_mut().enumerate();
-        for (region, joined) in all.filter(|(region, _)| is_wanted(*region)) {
-            joined.join(&tallies.remove(&region).unwrap_or_default(), weight, bounds.centre(), rays);
-            let (mean, weights) = (joined.mean(), volume_weights());
-            let volume = mean.value(&weights);
+        for (region, latest) in all.filter(|(region, _)| is_wanted(*region)) {
+            latest.tally = tallies.remove(&region).unwrap_or_default();
+            latest.origin = bounds.centre();
+            latest.rays += rays;
+            let weights = volume_weights();
+            let volume = latest.tally.value(&weights);
+            let half_width = match volume > 0.0 {
+                true => self.quantile * latest.tally.deviation(&weights) / volume,
+                false => f64::INFINITY,
+            };
+            latest.plan.add(Traced { density, half_width });
             // a region that no ray has crossed has no precision
-            let half_width = self.quantile * mean.deviation(&weights);
-            self.reached[region] = if volume > 0.0 { half_width / volume } else { 0.0 };
+            self.reached[region] = if volume > 0.0 { half_width } else { 0.0 };
         }
         Ok(())
     }

@@ -77,13 +77,6 @@ impl Tally {
         pairs.for_each(|(own, entry)| *own += factor * factor * entry);
     }
 
-    /// The estimate times a factor.
-    pub fn scaled(&self, factor: f64) -> Tally {
-        let mut scaled = Tally::default();
-        scaled.add(self, factor, factor);
-        scaled
-    }
-
     /// The standard deviation of a weighted sum of moments.
     pub fn deviation(&self, weights: &Moments) -> f64 {
         let mut entries = self.covariance.iter();
@@ -130,6 +123,5 @@ mod tests {
         weights[1] = 2.0;
         // of volume + 2 x: cells (1, 11) and (6, 2), so (10^2 + 4^2) / 4
         assert!((tally.deviation(&weights) - 29f64.sqrt()).abs() < 1e-14);
-        assert_eq!(tally.scaled(3.0).deviation(&weights), 3.0 * tally.deviation(&weights));
     }
 }

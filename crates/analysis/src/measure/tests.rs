@@ -86,6 +86,62 @@ fn confidence_is_kept() {
     assert!(volumes >= 5 && areas >= 5, "the intervals are too wide: {volumes} and {areas} of 200 miss");
 }
 
+/// Measures a large and a small ball with many seeds, to a precision that the first round reaches for about a fourth of the seeds, at a
+/// confidence of 90 %; returns for each ball the number of intervals that miss its volume, and the mean error in units of its
+/// standard deviation.
+fn misses_and_bias(seeds: u64) -> [(u64, f64); 2] {
+    let region = |name: &str, solid: Solid, medium: u32| Region { name: name.to_owned(), solid, medium };
+    let small = sphere(0.08).translate(3.0 * Vec3::X);
+    let program = Program::compile_regions(&[region("large", sphere(1.0), 1), region("small", small, 2)]);
+    let evaluator = Packets::new(Arc::new(program.unwrap()));
+    let exact = [4.0 / 3.0 * PI, 4.0 / 3.0 * PI * 0.08f64.powi(3)];
+    let (mut misses, mut errors) = ([0, 0], [vec![], vec![]]);
+    let (mut rays, mut is_reached) = (0, true);
+    for seed in 0..seeds {
+        let settings =
+            MeasureSettings { seed, confidence: 0.9, precision: 0.116, ..MeasureSettings::default() };
+        let found = measure(&evaluator, &settings, &mut |_| ()).unwrap();
+        rays += found.rays;
+        for (k, own) in found.regions.iter().enumerate() {
+            is_reached &= own.is_reached;
+            misses[k] += u64::from(!own.volume.contains(exact[k]));
+            errors[k].push(own.volume.value / exact[k] - 1.0);
+        }
+    }
+    // a pilot in two boxes and the two rounds that are reported
+    assert!(is_reached && rays < 65_000 * seeds, "{rays}");
+    let bias = |errors: &[f64]| {
+        let count = errors.len() as f64;
+        let mean = errors.iter().sum::<f64>() / count;
+        let squares: f64 = errors.iter().map(|error| (error - mean).powi(2)).sum();
+        mean / (squares / (count - 1.0) / count).sqrt()
+    };
+    [0, 1].map(|k| (misses[k], bias(&errors[k])))
+}
+
+/// Of 300 intervals, more than 49 miss the volume with a probability of 2e-4, and a mean beyond four standard deviations has one of 6e-5.
+#[test]
+fn the_number_of_rays_does_not_bias_volumes() {
+    for (misses, bias) in misses_and_bias(300) {
+        assert!(
+            misses <= 49 && bias.abs() < 4.0,
+            "{misses} of 300 intervals miss, mean error {bias} deviations"
+        );
+    }
+}
+
+/// Of 5,000 intervals, more than 585 miss with a probability of 3e-5.
+#[test]
+#[ignore = "long"]
+fn long_the_number_of_rays_does_not_bias_volumes() {
+    for (misses, bias) in misses_and_bias(5_000) {
+        assert!(
+            misses <= 585 && bias.abs() < 4.0,
+            "{misses} of 5000 intervals miss, mean error {bias} deviations"
+        );
+    }
+}
+
 /// Later regions are cut out of earlier ones; rays through its own box find a small region.
 #[test]
 fn regions_of_a_partition() {
