@@ -217,6 +217,30 @@ fn contacts_have_a_point() {
     assert!(touch.ray.is_none() && (touch.at.unwrap().z - 13.0).abs() < 1e-12, "{touch:?}");
 }
 
+/// The faces of a V-shaped notch meet in an edge: they touch nothing. The edge of a tilted part that rests on a plate, of one region,
+/// touches it.
+#[test]
+fn notches_do_not_touch_themselves() {
+    for angle in [5.0, 10.0, 20.0, 24.0] {
+        let notch = format!(
+            "[solid.block]\nbox = {{ size = [40, 20, 20] }}\n[solid.v]\nwedge = {{ start_degrees = {}, sweep_degrees = {angle} }}\n\
+             transform = {{ translate = [0, -5, 0] }}\n[solid.part]\nexpr = \"block - v\"\n[[region]]\nsolid = \"part\"",
+            90.0 - angle / 2.0
+        );
+        for gap in [None, Some(1.0)] {
+            let report = checked(&notch, &CheckSettings { gap, ..CheckSettings::default() });
+            assert!(report.of(FindingKind::Touch).next().is_none(), "{angle}: {report:?}");
+        }
+        let resting = format!(
+            "[solid.plate]\nbox_from_corners = {{ lo = [-20, -20, -5], hi = [20, 20, 0] }}\n\
+             [solid.rod]\nbox_from_corners = {{ lo = [0, -8, 0], hi = [15, 8, 6] }}\ntransform = {{ rotate_y = -{angle} }}\n\
+             [solid.part]\nexpr = \"plate | rod\"\n[[region]]\nsolid = \"part\""
+        );
+        let report = checked(&resting, &CheckSettings { gap: Some(1.0), ..CheckSettings::default() });
+        assert!(report.of(FindingKind::Touch).next().is_some(), "{angle}: {report:?}");
+    }
+}
+
 /// Walls and gaps of exactly the limit are not below it, wherever the part lies; a billionth above, they are.
 #[test]
 fn widths_equal_to_the_limit_are_not_below_it() {

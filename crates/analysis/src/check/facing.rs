@@ -456,3 +456,28 @@ pub(super) fn touches<E: Evaluator>(
     let regions = regions_at(evaluator, all.iter().map(|way| point + step * *way), scratch);
     between.beyond.iter().all(|beyond| regions.contains(beyond))
 }
+
+/// True if a region fills a single sector around a point of the edge in which the faces at the ends of a chord meet: the bottom of a
+/// V-shaped notch. Where an edge of one part rests on a face of another, there are two sectors.
+pub(super) fn is_crease<E: Evaluator>(
+    evaluator: &E,
+    point: Vec3,
+    (across, region): (&Across, RegionId),
+    tolerance: f64,
+    scratch: &mut E::Scratch,
+) -> bool {
+    /// A sector as wide as 2.5 degrees has a point.
+    const POINTS: u32 = 144;
+    let Some(edge) = across.normals[0].cross(across.normals[1]).try_normalize() else { return false };
+    // far from the rounding of the point, and near to it in relation to the chord
+    let step = (64.0 * tolerance).max(1e-9 * point.length()).max(1e-3 * across.chord.length());
+    let (side, other) = edge.any_orthonormal_pair();
+    let points = (0..POINTS).map(|k| {
+        let (sine, cosine) = libm::sincos(std::f64::consts::TAU * (f64::from(k) + 0.5) / f64::from(POINTS));
+        point + step * (cosine * side + sine * other)
+    });
+    let is_inside: Vec<bool> =
+        regions_at(evaluator, points, scratch).into_iter().map(|found| found == region).collect();
+    let next = is_inside.iter().cycle().skip(1);
+    is_inside.iter().zip(next).filter(|(here, next)| here != next).count() <= 2
+}

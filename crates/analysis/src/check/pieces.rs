@@ -2,7 +2,7 @@
 
 use super::connected;
 use super::edges::{Grid, Hits};
-use super::facing::{Between, Facing, Search, touches};
+use super::facing::{Between, Facing, Search, is_crease, touches};
 use super::narrow::{Narrow, RAYS_PER_SIDE, SEARCHED};
 use super::pairs::Intersecting;
 use super::places::{Place, distinct};
@@ -369,6 +369,13 @@ fn gaps<E: Evaluator>(
             if let Some((place, region)) = place.filter(|(place, _)| place.distance <= place.tolerance) {
                 let (at, between) =
                     (0.5 * (place.ends[0] + place.ends[1]), Between { region, beyond: *pair });
+                // two faces of one region that meet in an edge are no contact, like those of a wall
+                if pair[0] == pair[1]
+                    && !place.is_tangent
+                    && is_crease(evaluator, at, (&across, pair[0]), place.tolerance, &mut scratch)
+                {
+                    continue;
+                }
                 if touches(evaluator, at, between, place.tolerance, &mut scratch) {
                     seen.contacts.entry(*pair).or_insert(Contact { area: 0.0, at });
                     continue;
