@@ -276,6 +276,10 @@ def test_meshes(model):
     # a face between two regions belongs to both
     both = model.to_mesh(0.01)
     assert both.volume == pytest.approx(64, rel=1e-9)
+    # a core that fills a part of a cavity
+    ball = rw.sphere(8)
+    with pytest.warns(UserWarning, match=r"^the mesh of 'solid' is not sound: .*regions of a model"):
+        ((rw.sphere(10) - ball) | (ball & rw.half_space([0, 0, 1], -3))).to_mesh(0.05)
     again = rw.from_trimesh(mesh)
     a, b = rw.box(2).to_mesh(), rw.box(2).translate([1, 0, 0]).to_mesh()
     overlapping = rw.Mesh(np.concatenate([a.vertices, b.vertices]), np.concatenate([a.triangles, b.triangles + len(a.vertices)]))

@@ -218,7 +218,7 @@ def load_mesh(
 
 def mesh_of(subject: Subject, tolerance: float | None) -> Mesh:
     """All regions as one mesh."""
-    parts = _core.mesh_parts(subject, tolerance)
+    parts = _sound(_core.mesh_parts(subject, tolerance))
     whole = _joined(parts)
     return Mesh(whole.vertices, whole.triangles, tuple((name, len(corners)) for name, _, corners in parts))
 
@@ -226,9 +226,22 @@ def mesh_of(subject: Subject, tolerance: float | None) -> Mesh:
 def meshes_of(subject: Subject, tolerance: float | None) -> dict[str, Mesh]:
     """A mesh for each region, by its name; regions of the same name, as in GDML files, share a mesh."""
     parts: dict[str, list[tuple[str, _Array, NDArray[np.uint32]]]] = {}
-    for part in _core.mesh_parts(subject, tolerance):
+    for part in _sound(_core.mesh_parts(subject, tolerance)):
         parts.setdefault(part[0], []).append(part)
     return {name: _joined(own) for name, own in parts.items()}
+
+
+def _sound(parts: list[tuple[str, _Array, NDArray[np.uint32]]]) -> list[tuple[str, _Array, NDArray[np.uint32]]]:
+    """The parts; a warning about each whose mesh is not sound. It names the line that called `to_mesh`."""
+    for name, vertices, triangles in parts:
+        *_, summary, is_sound = Mesh(vertices, triangles)._defects()
+        if not is_sound:
+            text = (
+                f"the mesh of {name!r} is not sound: {summary}. Choose another tolerance, or make its parts regions of a model, "
+                'rw.Model({...}): to_mesh(by="region") and files in 3MF have a mesh for each.'
+            )
+            warnings.warn(text, stacklevel=4)
+    return parts
 
 
 def _compact(vertices: _Array, triangles: NDArray[np.uint32]) -> Mesh:

@@ -71,8 +71,8 @@ pub enum WriteError {
     },
     /// The mesh of a region is not the boundary of a solid.
     #[error(
-        "the mesh of region `{region}` is not sound: {defects}{}. Choose another tolerance, or write it anyway with \
-         --allow-unsound (in Python allow_unsound=True).", place(.at)
+        "the mesh of region `{region}` is not sound: {defects}{}. Choose another tolerance, make parts that touch regions \
+         of their own, as in 3MF files, or write it anyway with --allow-unsound (in Python allow_unsound=True).", place(.at)
     )]
     Unsound {
         /// Name of the region.
