@@ -135,7 +135,7 @@ impl Scale {
         Scale { centre: [0.0; 2], factor: 1.0, unit: unit.to_owned() }
     }
 
-    /// Micrometres, and their factor, where the unit is known.
+    /// Micrometres, and their factor, in place of a unit of [`Unit`]; any other unit stays.
     fn small(unit: &str) -> (Scale, f64) {
         Unit::parse(unit).map_or((Scale::of(unit), 1.0), |known| {
             let factor = known.metres() * 1e6;

@@ -235,7 +235,7 @@ pub(super) fn property(numbers: &mut Numbers, child: &Element) -> Result<(String
     let name = numbers.name(child)?;
     if let (None, Some(value)) = (child.attribute("ref"), child.attribute("value")) {
         let number = numbers.value(value)?;
-        numbers.context.warn(Trouble::new(without_reference(&name, child.text("value")), child.place));
+        numbers.context.warn(Problem::new(without_reference(&name, child.text("value")), child.place));
         return Ok((name, Property::Number(number)));
     }
     let (matrix, place) = numbers.reference(child, "ref")?;
