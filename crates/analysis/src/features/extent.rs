@@ -1,7 +1,7 @@
 //! The extent of a model along the axes.
 
 use rayweave_math::{Bounds, Vec3};
-use rayweave_model::{Evaluator, Limit, Query, RayAnswer, RayBatch, RegionId};
+use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId};
 use rayweave_shape::Ray;
 
 /// The extent of a model along the axes.
@@ -85,11 +85,11 @@ struct Side<'a, E: Evaluator> {
     scratch: &'a mut E::Scratch,
 }
 
-/// A place across the axis with the coordinate of the farthest crossing there, in one direction.
+/// A place across the axis with the first and last crossing there.
 #[derive(Clone, Copy)]
 struct Reach {
     place: [f64; 2],
-    end: f64,
+    ends: [f64; 2],
 }
 
 impl<E: Evaluator> Side<'_, E> {
@@ -99,20 +99,19 @@ impl<E: Evaluator> Side<'_, E> {
         let (lo, step) = (self.outer.lo, self.outer.size() / ACROSS as f64);
         let centre = |axis: usize, k: usize| lo[axis] + step[axis] * (k as f64 + 0.5);
         let cells = (0..ACROSS * ACROSS).map(|k| [centre(u, k % ACROSS), centre(v, k / ACROSS)]);
-        let cells: Vec<[f64; 2]> = cells.collect();
+        let mut found = self.crossings(&cells.collect::<Vec<_>>());
         let first = step[u].max(step[v]);
         let mut ends = [f64::NAN; 2];
         for (end, sign) in [-1.0, 1.0].into_iter().enumerate() {
-            let mut found = self.farthest(&cells, sign);
             // stable: equal ones stay in the order of the cells
-            found.sort_by(|a, b| (sign * b.end).total_cmp(&(sign * a.end)));
+            found.sort_by(|a, b| (sign * b.ends[end]).total_cmp(&(sign * a.ends[end])));
             let known = if end == 0 { self.outer.lo } else { self.outer.hi }[self.axis];
-            let mut best = found.first()?.end;
+            let mut best = found.first()?.ends[end];
             for start in found.iter().take(STARTS) {
                 if (best - known).abs() <= EQUAL * size {
                     break;
                 }
-                let farthest = self.climbed(*start, sign, (first, FINEST * size));
+                let farthest = self.climbed(*start, end, sign, (first, FINEST * size));
                 best = if sign * farthest > sign * best { farthest } else { best };
             }
             ends[end] = best;
@@ -121,7 +120,7 @@ impl<E: Evaluator> Side<'_, E> {
     }
 
     /// The coordinate of the farthest point that small steps lead to.
-    fn climbed(&mut self, start: Reach, sign: f64, (mut step, finest): (f64, f64)) -> f64 {
+    fn climbed(&mut self, start: Reach, end: usize, sign: f64, (mut step, finest): (f64, f64)) -> f64 {
         const AROUND: [[f64; 2]; 8] = [
             [1.0, 0.0],
             [0.0, 1.0],
@@ -135,48 +134,40 @@ impl<E: Evaluator> Side<'_, E> {
         let mut best = start;
         while step > finest {
             let [x, y] = best.place;
-            let around = self.farthest(&AROUND.map(|[u, v]| [x + step * u, y + step * v]), sign);
+            let around = self.crossings(&AROUND.map(|[u, v]| [x + step * u, y + step * v]));
             let next = around
                 .into_iter()
-                .max_by(|a, b| (sign * a.end).total_cmp(&(sign * b.end)))
-                .filter(|next| sign * next.end > sign * best.end);
+                .max_by(|a, b| (sign * a.ends[end]).total_cmp(&(sign * b.ends[end])))
+                .filter(|next| sign * next.ends[end] > sign * best.ends[end]);
             match next {
                 Some(next) => best = next,
                 None => step *= 0.5,
             }
         }
-        best.end
+        best.ends[end]
     }
 
-    /// The farthest crossings along the axis (`sign` 1) or against it (-1) of the lines at places; those that miss are left out.
-    fn farthest(&mut self, places: &[[f64; 2]], sign: f64) -> Vec<Reach> {
+    /// The first and last crossings of the rays at places; those that miss are left out.
+    fn crossings(&mut self, places: &[[f64; 2]]) -> Vec<Reach> {
         let (axis, centre) = (self.axis, self.outer.centre());
-        let is_in = self.is_in;
-        let mut found: Vec<Option<f64>> = vec![None; places.len()];
-        let mut numbers: Vec<usize> = (0..places.len()).collect();
-        // the first crossing from that side, which takes far less time than all where there are many; all if another region is there
-        for limit in [Limit::First, Limit::All] {
-            let mut batch = RayBatch::default();
-            for [u, v] in numbers.iter().map(|&number| places[number]) {
-                let mut origin = centre;
-                origin[(axis + 1) % 3] = u;
-                origin[(axis + 2) % 3] = v;
-                batch.push(Ray::new(origin, -sign * Vec3::AXES[axis]));
-            }
-            let mut others = Vec::new();
-            let mut sink = |answer: RayAnswer<'_>| {
-                let number = numbers[answer.ray];
-                match answer.crossings.iter().find(|c| is_in(c.before) != is_in(c.after)) {
-                    Some(first) => found[number] = Some(centre[axis] - sign * first.t),
-                    None if !answer.crossings.is_empty() => others.push(number),
-                    None => {}
-                }
-            };
-            let query = Query { limit, ..Query::default() };
-            self.evaluator.crossings(batch.rays(), &query, self.scratch, &mut sink);
-            numbers = others;
+        let mut batch = RayBatch::default();
+        for [u, v] in places {
+            let mut origin = centre;
+            origin[(axis + 1) % 3] = *u;
+            origin[(axis + 2) % 3] = *v;
+            batch.push(Ray::new(origin, Vec3::AXES[axis]));
         }
-        let found = places.iter().zip(found);
-        found.filter_map(|(place, end)| Some(Reach { place: *place, end: end? })).collect()
+        let is_in = self.is_in;
+        let mut found = Vec::new();
+        let mut sink = |answer: RayAnswer<'_>| {
+            let mut bounds = answer.crossings.iter().filter(|c| is_in(c.before) != is_in(c.after));
+            if let Some(first) = bounds.next() {
+                let last = bounds.next_back().unwrap_or(first);
+                let ends = [first.t, last.t].map(|t| centre[axis] + t);
+                found.push(Reach { place: places[answer.ray], ends });
+            }
+        };
+        self.evaluator.crossings(batch.rays(), &Query::default(), self.scratch, &mut sink);
+        found
     }
 }

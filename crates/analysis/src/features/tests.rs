@@ -1,7 +1,6 @@
 //! Extents and cylinders by closed forms.
 
 use super::*;
-use crate::counted::Counted;
 use crate::section::SectionRun;
 use rayweave_math::Vec3;
 use rayweave_scene::Compiled;
@@ -241,32 +240,4 @@ fn rounded_rectangles_have_their_sides_and_radius() {
     let mut sizes: Vec<[f64; 4]> = found.polygons.iter().map(size).collect();
     sizes.sort_by(|a, b| b[0].total_cmp(&a[0]));
     assert_eq!(sizes, [[20.0, 12.0, 3.0, 4.0], [14.0, 8.0, 3.5, 0.0]], "{found:?}");
-}
-
-/// A line along 200 fins has 400 crossings, of which the extent needs the first and the last one.
-#[test]
-fn the_extent_takes_one_crossing_for_each_ray() {
-    let text: String = (0..200)
-        .map(|k| {
-            format!(
-                "[solid.f{k}]\nbox = {{ size = [1, 30, 30] }}\ntransform = [{{ translate = [{}, 0, 0] }}]\n",
-                2 * k
-            )
-        })
-        .collect();
-    let all: Vec<String> = (0..200).map(|k| format!("f{k}")).collect();
-    let text = format!(
-        "rayweave = 1\n{text}[solid.all]\nexpr = \"{}\"\n[[region]]\nsolid = \"all\"",
-        all.join(" | ")
-    );
-    let (_, scene) = rayweave_scene::parse(&text).unwrap();
-    let counted = Counted::new(Compiled::new(&scene).unwrap().program);
-    let found = extent(&counted).unwrap();
-    let exact = [Vec3::new(-0.5, -15.0, -15.0), Vec3::new(398.5, 15.0, 15.0)];
-    assert!(
-        (found.bounds.lo - exact[0]).length() + (found.bounds.hi - exact[1]).length() < 1e-6,
-        "{found:?}"
-    );
-    let (crossings, [rays, _]) = (counted.take_crossings(), counted.take());
-    assert!(crossings <= rays && rays > 20_000, "{crossings} {rays}");
 }
