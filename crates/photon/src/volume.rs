@@ -111,11 +111,11 @@ impl VolumePaths {
 
     /// Adds the paths of another list; returns the number of each of them.
     pub fn absorb(&mut self, other: &VolumePaths) -> Vec<u32> {
-        other.names.iter().zip(&other.copies).map(|(path, &copy)| self.number_of(path, copy)).collect()
+        other.names.iter().zip(&other.copies).map(|(path, &copy)| self.shared_number(path, copy)).collect()
     }
 
     /// The number of a path of another list.
-    fn number_of(&mut self, path: &Arc<str>, copy: i64) -> u32 {
+    fn shared_number(&mut self, path: &Arc<str>, copy: i64) -> u32 {
         let address = path.as_ptr() as usize;
         if let Some(&(_, number)) = self.shared.get(&address) {
             return number;

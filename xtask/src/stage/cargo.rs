@@ -25,7 +25,12 @@ pub fn fmt(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
 }
 
 pub fn clippy(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
-    process::run(cargo(workshop).args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))
+    // with graphics cards: a part of the sources is compiled with that feature only
+    let features = ["--features", "rayweave-photon/gpu,rayweave-cli/gpu,rayweave-python/gpu"];
+    let mut cargo = cargo(workshop);
+    process::run(
+        cargo.args(["clippy", "--workspace", "--all-targets"]).args(features).args(["--", "-D", "warnings"]),
+    )
 }
 
 pub fn docs(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {

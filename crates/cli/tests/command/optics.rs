@@ -172,8 +172,8 @@ fn ghosts_beside_the_image() {
              CURV -0.01\n DISZ 60\nSURF 3\n{image}"
         )
     };
-    bench.write("narrow.zmx", &file(""));
-    bench.write("wide.zmx", &file(" DIAM 500 1\n"));
+    bench.write("narrow.zmx", file(""));
+    bench.write("wide.zmx", file(" DIAM 500 1\n"));
     let run = |name: &str| {
         let json = bench.json(&["optics", name, "--branches", "both", "--json"]);
         let sheets = json["sheets"].as_array().unwrap();
