@@ -8,12 +8,22 @@
 //! 243-258; F. J. Hickernell, L. Jiang, Y. Liu and A. B. Owen, "Guaranteed conservative fixed width confidence intervals via Monte
 //! Carlo sampling", *Monte Carlo and Quasi-Monte Carlo Methods 2012*, Springer, 2013, 105-128).
 //!
-//! The size has a margin ([`AIM`]). A round that misses the precision all the same becomes the pilot of another one. If a share p
+//! The size has a margin ([`aim`]). A round that misses the precision all the same becomes the pilot of another one. If a share p
 //! of the rounds misses it, an interval at the level 1 - a contains the truth with a probability of at least 1 - a (1 + p + p^2 ...):
 //! each of the rounds is wrong with a probability of a, whatever the rounds before it were.
 
-/// Rounds are planned for this part of the requested half width, since the half width that a pilot predicts is uncertain.
+/// Rounds are planned for at most this part of the requested half width, since the half width that a pilot predicts is uncertain.
 const AIM: f64 = 0.9;
+
+/// The uncertainty of half widths, relative to them, in units of the relative deviation of the volume: the fewer cells contribute, the
+/// larger are both. Measured for a small ball beside a large one: 1.7; times 2.3 deviations, which one of a hundred exceeds, times the
+/// root of two, for the pilot and the round itself.
+const UNCERTAINTY: f64 = 5.5;
+
+/// The part of the requested half width for which a round is planned; both are relative to the volume.
+pub(super) fn aim(precision: f64, quantile: f64) -> f64 {
+    precision * AIM.min(1.0 / (1.0 + UNCERTAINTY * precision / quantile))
+}
 
 /// The order of convergence for a smooth boundary: half widths decrease as this power of the number of rays.
 const ORDER: f64 = 0.75;
@@ -91,23 +101,23 @@ impl Plan {
         self.last.map_or(0.0, |last| (last.density / unit).sqrt())
     }
 
-    /// The number of cells along an edge that the requested half width, relative to the volume, needs; infinite if unknown.
-    pub fn needed(&self, unit: f64, precision: f64) -> f64 {
+    /// The number of cells along an edge that a half width, relative to the volume, needs; infinite if unknown.
+    pub fn needed(&self, unit: f64, aim: f64) -> f64 {
         let Some(last) = self.last.filter(|last| last.half_width.is_finite()) else {
             return f64::INFINITY;
         };
-        self.had(unit) * libm::pow(last.half_width / (AIM * precision), 0.5 / self.order)
+        self.had(unit) * libm::pow(last.half_width / aim, 0.5 / self.order)
     }
 
     /// True if a round of so many cells along an edge is expected to reach the half width, and the last round knows that well enough.
-    pub fn is_enough(&self, unit: f64, precision: f64, across: f64) -> bool {
-        let needed = self.needed(unit, precision);
+    pub fn is_enough(&self, unit: f64, aim: f64, across: f64) -> bool {
+        let needed = self.needed(unit, aim);
         needed <= across && (needed <= FAR * self.had(unit) || FAR * needed <= across)
     }
 
     /// The next round of this region alone; `None` if the limit does not permit one as large as the last.
-    pub fn next(&self, unit: f64, precision: f64, limits: Limits) -> Option<NextRound> {
-        next_together(&[*self], unit, precision, limits)
+    pub fn next(&self, unit: f64, aim: f64, limits: Limits) -> Option<NextRound> {
+        next_together(&[*self], unit, aim, limits)
     }
 }
 
@@ -116,7 +126,7 @@ impl Plan {
 pub(super) fn next_together(
     plans: &[Plan],
     unit: f64,
-    precision: f64,
+    aim: f64,
     Limits { least, most }: Limits,
 ) -> Option<NextRound> {
     let had = plans.iter().map(|plan| plan.had(unit)).fold(0.0, f64::max);
@@ -125,13 +135,13 @@ pub(super) fn next_together(
         return None;
     }
     // a region that no ray has crossed gets about twice as many rays
-    let needed = |plan: &Plan| if plan.is_met() { plan.needed(unit, precision) } else { had * 99.0 / 70.0 };
+    let needed = |plan: &Plan| if plan.is_met() { plan.needed(unit, aim) } else { had * 99.0 / 70.0 };
     let needed = plans.iter().map(needed).fold(0.0, f64::max);
     // the conversion saturates
     let target = (needed.ceil() as u64).max(least).min(most);
     let pilot = ((target as f64 / FAR).min(PILOT_FAR * had).ceil() as u64).max(least);
     let is_last = target == most && (target as f64 <= FAR * had || pilot >= most);
-    if is_last || plans.iter().all(|plan| plan.is_enough(unit, precision, target as f64)) {
+    if is_last || plans.iter().all(|plan| plan.is_enough(unit, aim, target as f64)) {
         return Some(NextRound { across: target, is_final: true });
     }
     let is_near = target as f64 <= FAR * had;
@@ -150,9 +160,9 @@ mod tests {
         plan
     }
 
-    /// In a box of density 1 for one cell; half widths relative to a precision of 1.
+    /// In a box of density 1 for one cell, for a half width of 0.9.
     fn next(rounds: &[(f64, f64)], limits: Limits) -> Option<(u64, bool)> {
-        plan(rounds).next(1.0, 1.0, limits).map(|next| (next.across, next.is_final))
+        plan(rounds).next(1.0, AIM, limits).map(|next| (next.across, next.is_final))
     }
 
     #[test]

@@ -411,8 +411,8 @@ impl<E: Evaluator> Run<'_, E> {
         results: &mut [Latest],
     ) -> Result<u64, MeasureError> {
         let (rays, unit) = (self.axes.rays(self.first), self.unit(whole));
-        let precision = self.settings.precision;
-        let is_enough = |latest: &Latest| latest.plan.is_enough(unit, precision, self.first as f64);
+        let aim = self.aim();
+        let is_enough = |latest: &Latest| latest.plan.is_enough(unit, aim, self.first as f64);
         let easy: Vec<bool> = results.iter().map(is_enough).collect();
         if !easy.contains(&true) || rays > self.affordable(load).min(self.settings.most_rays) {
             return Ok(0);
@@ -439,7 +439,7 @@ impl<E: Evaluator> Run<'_, E> {
             let affordable = self.axes.affordable(&load, self.left.saturating_sub(kept));
             let most = self.axes.across_of(affordable.min(self.settings.most_rays - spent));
             let limits = Limits { least: self.first, most };
-            let Some(next) = results[region].plan.next(unit, self.settings.precision, limits) else {
+            let Some(next) = results[region].plan.next(unit, self.aim(), limits) else {
                 break;
             };
             spent += self.axes.rays(next.across);
@@ -500,7 +500,7 @@ impl<E: Evaluator> Run<'_, E> {
             for &region in &listed {
                 let limits = Limits { least: self.first / 2, most };
                 let (unit, plan) = (self.unit(&boxes[region]), &results[region].plan);
-                let Some(next) = plan.next(unit, self.settings.precision, limits) else {
+                let Some(next) = plan.next(unit, self.aim(), limits) else {
                     is_closed[region] = true;
                     continue;
                 };
@@ -523,19 +523,24 @@ impl<E: Evaluator> Run<'_, E> {
         most: u64,
         results: &mut [Latest],
     ) -> Result<Option<u64>, MeasureError> {
-        let (unit, precision) = (self.unit(common), self.settings.precision);
+        let (unit, aim) = (self.unit(common), self.aim());
         let plans: Vec<Plan> = listed.iter().map(|&region| results[region].plan).collect();
         let limits = Limits { least: self.first, most };
-        let Some(next) = plan::next_together(&plans, unit, precision, limits) else {
+        let Some(next) = plan::next_together(&plans, unit, aim, limits) else {
             return Ok(None);
         };
         let mut is_listed = vec![false; results.len()];
         listed.iter().for_each(|&region| is_listed[region] = true);
         self.round(common, load, next.across, |region| is_listed[region], results)?;
         for (&region, before) in listed.iter().zip(&plans) {
-            results[region].is_final = next.is_final || before.is_enough(unit, precision, next.across as f64);
+            results[region].is_final = next.is_final || before.is_enough(unit, aim, next.across as f64);
         }
         Ok(Some(next.across))
+    }
+
+    /// The relative half width for which rounds are planned.
+    fn aim(&self) -> f64 {
+        plan::aim(self.settings.precision, self.quantile)
     }
 
     /// The density of a round of one cell along an edge of a box.

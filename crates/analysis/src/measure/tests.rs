@@ -109,7 +109,7 @@ fn misses_and_bias(seeds: u64) -> [(u64, f64); 2] {
         }
     }
     // a pilot in two boxes and the two rounds that are reported
-    assert!(is_reached && rays < 65_000 * seeds, "{rays}");
+    assert!(is_reached && rays < 75_000 * seeds, "{rays}");
     let bias = |errors: &[f64]| {
         let count = errors.len() as f64;
         let mean = errors.iter().sum::<f64>() / count;
