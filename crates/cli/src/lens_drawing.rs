@@ -22,7 +22,7 @@ pub struct LensDrawing {
     pub stop: Vec<[Vec3; 2]>,
 }
 
-/// What a drawing shows.
+/// The contents of a drawing.
 #[derive(Clone, Copy)]
 pub struct DrawingOptions {
     /// The number of rays of all fields together.

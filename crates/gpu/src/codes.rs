@@ -1,6 +1,25 @@
 //! The numbers that the tables and the kernels share: constants here, and their declarations in the text of the kernels.
 
-use crate::layout::Kind;
+/// Kinds of surfaces on the device; the number is the case in the shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub(crate) enum Kind {
+    /// The CPU decides.
+    Other = 0,
+    Plane = 1,
+    Sphere = 2,
+    Cylinder = 3,
+    Quadric = 4,
+    /// The ball around a leaf that has facets without a kernel.
+    Ball = 5,
+    /// The first and the second chord of a line in a torus.
+    FirstChord = 6,
+    SecondChord = 7,
+}
+
+impl Kind {
+    pub const COUNT: usize = 8;
+}
 
 /// Constants, and a function that writes their declarations in WGSL.
 macro_rules! shared {

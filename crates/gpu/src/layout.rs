@@ -1,6 +1,6 @@
 //! The tables of a program in the memory of the device.
 
-use crate::codes::{ITEM, NONE};
+use crate::codes::{ITEM, Kind, NONE};
 use crate::error::Unsupported;
 use crate::flat::{
     Atom, Flat, FlatFacet, FlatFrame, FlatGate, MOST_NODES, Operand, Tori, has_kernel, is_torus,
@@ -67,27 +67,6 @@ pub(crate) struct Layout {
     pub stack: usize,
     /// True if every item is a group of a single atom, which is its output.
     pub is_simple: bool,
-}
-
-/// Kinds of surfaces on the device; the number is the case in the shader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u32)]
-pub(crate) enum Kind {
-    /// The CPU decides.
-    Other = 0,
-    Plane = 1,
-    Sphere = 2,
-    Cylinder = 3,
-    Quadric = 4,
-    /// The ball around a leaf that has facets without a kernel.
-    Ball = 5,
-    /// The first and the second chord of a line in a torus.
-    FirstChord = 6,
-    SecondChord = 7,
-}
-
-impl Kind {
-    pub const COUNT: usize = 8;
 }
 
 /// A row of the table of groups before it is placed.

@@ -4,7 +4,7 @@
 //! processor.
 
 use crate::in_flight::{Mark, Numbers};
-use crate::philox::{COSINE, MULTIPLIERS, PURPOSE_SHIFT, Purpose, ROUNDS, SINE, Stream, UNIT, WEYL};
+use crate::philox::{COSINE, Counter, MULTIPLIERS, PURPOSE_SHIFT, Purpose, ROUNDS, SINE, Stream, UNIT, WEYL};
 use crate::rows::lane_of;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
@@ -27,9 +27,6 @@ pub(crate) struct Draws {
     asked: Vec<Counter>,
     boundary: Vec<[u32; 4]>,
 }
-
-/// The first three words of the counter of a photon's numbers in a step.
-pub(crate) type Counter = [u32; 3];
 
 /// The numbers of a photon in a step for a purpose.
 pub(crate) fn stream(seed: u64, [high, low, step]: Counter, purpose: Purpose) -> Stream {

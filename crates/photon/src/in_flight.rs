@@ -1,7 +1,7 @@
 //! The photons in flight of a batch: a [`Photon`] and a [`Mark`] for each of them.
 
-use crate::draws::Counter;
 use crate::flight::Flight;
+use crate::philox::Counter;
 use crate::photon::{EventKey, Photon};
 use rayweave_model::Start;
 use rayweave_optics::start_surfaces::StartSurfaces;

@@ -14,6 +14,9 @@ pub(crate) const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 pub(crate) const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 pub(crate) const ROUNDS: usize = 10;
 
+/// The first three words of the counter of a photon's numbers in a step.
+pub(crate) type Counter = [u32; 3];
+
 /// Philox4x32-10: 128 random bits as a function of a counter and a key.
 #[must_use]
 pub fn philox4x32(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {

@@ -8,7 +8,7 @@ use crate::boundary::{
 };
 use crate::box_steps::{BatchPhotons, BoxSteps};
 use crate::detector::{Detector, Meeting};
-use crate::draws::{Counter, Draws, stream};
+use crate::draws::{Draws, stream};
 use crate::error::PhotonError;
 use crate::flight::{End, Flight};
 use crate::free_path::shortest;
@@ -16,7 +16,7 @@ use crate::history::{Histories, HistoryOptions, HistoryRecorder, Process, Record
 use crate::hits::Hits;
 use crate::in_flight::{Mark, Numbers, Place, SurfaceLists};
 use crate::material::{Bulk, MaterialValues, OpticalMaterial, ValueTable};
-use crate::philox::{Purpose, Stream};
+use crate::philox::{Counter, Purpose, Stream};
 use crate::photon::{EventKey, Photon};
 use crate::scatter::{self, LaneScattering};
 use crate::settings::{RunSettings, TimeProfile};

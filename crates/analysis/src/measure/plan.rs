@@ -47,7 +47,7 @@ pub(super) struct Traced {
     pub half_width: f64,
 }
 
-/// What the rounds of a region tell about the next.
+/// The size of the next round of a region, from the rounds before it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
     last: Option<Traced>,

@@ -231,28 +231,9 @@ pub(super) fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -
             sizes.extend([("x", x), ("y", y), ("z", z)]);
             cuboid([x, y, z])
         }
-        "tube" => {
-            let [rmax, z] = numbers.lengths(e, ["rmax", "z"])?;
-            let [rmin] = numbers.lengths_or_zero(e, ["rmin"])?;
-            let phi = sector(numbers, e)?;
-            sizes.extend([
-                ("rmin", rmin),
-                ("rmax", rmax),
-                ("z", z),
-                ("start", phi.start),
-                ("delta", phi.delta),
-            ]);
-            tube(rmin, rmax, z, phi)
-        }
+        "tube" => tube_of(numbers, e, sizes),
         "cutTube" => cut_tube_of(numbers, e),
-        "cone" => {
-            let [rmax1, rmax2, z] = numbers.lengths(e, ["rmax1", "rmax2", "z"])?;
-            let [rmin1, rmin2] = numbers.lengths_or_zero(e, ["rmin1", "rmin2"])?;
-            let phi = sector(numbers, e)?;
-            sizes.extend([("rmin1", rmin1), ("rmax1", rmax1), ("rmin2", rmin2), ("rmax2", rmax2), ("z", z)]);
-            sizes.extend([("start", phi.start), ("delta", phi.delta)]);
-            cone([rmin1, rmax1], [rmin2, rmax2], z, phi)
-        }
+        "cone" => cone_of(numbers, e, sizes),
         "polycone" => {
             let (planes, phi) = (z_planes(numbers, e)?, sector(numbers, e)?);
             sizes.planes(&planes, phi);
@@ -279,13 +260,7 @@ pub(super) fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -
         "arb8" => arb8(numbers, e),
         "xtru" => xtru(numbers, e),
         "tessellated" => facets(numbers, e),
-        "sphere" => {
-            let [rmax] = numbers.lengths(e, ["rmax"])?;
-            let [rmin] = numbers.lengths_or_zero(e, ["rmin"])?;
-            let start = numbers.angle(e, "starttheta", 0.0)?;
-            let theta = Phi { start, delta: numbers.angle(e, "deltatheta", 180.0 - start)? };
-            sphere(rmin, rmax, sector(numbers, e)?, theta)
-        }
+        "sphere" => sphere_of(numbers, e),
         "orb" => orb(numbers.lengths(e, ["r"])?[0]),
         "torus" => {
             let [rmax, rtor] = numbers.lengths(e, ["rmax", "rtor"])?;
@@ -301,21 +276,12 @@ pub(super) fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -
             let [dx, dy, dz] = numbers.lengths(e, ["dx", "dy", "dz"])?;
             elliptical_tube(dx, dy, dz)
         }
-        "elcone" => {
-            let [zmax, zcut] = numbers.lengths(e, ["zmax", "zcut"])?;
-            let (dx, dy) = (numbers.number(e, "dx")?, numbers.number(e, "dy")?);
-            elliptical_cone(dx, dy, zmax, zcut)
-        }
+        "elcone" => elcone_of(numbers, e),
         "paraboloid" => {
             let [high, dz] = numbers.lengths(e, ["rhi", "dz"])?;
             paraboloid(numbers.lengths_or_zero(e, ["rlo"])?[0], high, dz)
         }
-        "hype" => {
-            let [rmax, z] = numbers.lengths(e, ["rmax", "z"])?;
-            let [rmin] = numbers.lengths_or_zero(e, ["rmin"])?;
-            let [inst, outst] = numbers.angles(e, ["inst", "outst"])?;
-            hype(rmin, rmax, inst, outst, z)
-        }
+        "hype" => hype_of(numbers, e),
         "twistedbox" => {
             let [x, y, z] = numbers.lengths(e, ["x", "y", "z"])?;
             twist(numbers, e, &straight([x, x], [y, y], z))
@@ -324,13 +290,7 @@ pub(super) fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -
             let [x1, x2, y1, y2, z] = numbers.lengths(e, ["x1", "x2", "y1", "y2", "z"])?;
             twist(numbers, e, &straight([x1, x2], [y1, y2], z))
         }
-        "twistedtrap" => {
-            let [z, y1, x1, x2, y2, x3, x4] =
-                numbers.lengths(e, ["z", "y1", "x1", "x2", "y2", "x3", "x4"])?;
-            let [theta, phi, alpha] = numbers.angles(e, ["Theta", "Phi", "Alph"])?;
-            let (low, high) = ([y1, x1, x2, alpha], [y2, x3, x4, alpha]);
-            twist(numbers, e, &Trapezoid { z, theta, phi, low, high })
-        }
+        "twistedtrap" => twistedtrap_of(numbers, e),
         "twistedtubs" => twisted_tubs(numbers, e),
         _ => refused("this kind of solid is unknown"),
     }
@@ -345,6 +305,51 @@ fn sector(numbers: &mut Numbers, e: &Element) -> Result<Phi, Failure> {
 
 fn sides(numbers: &mut Numbers, e: &Element) -> Result<u32, Failure> {
     numbers.whole(e, "numsides", 1, 4096).map(|sides| sides as u32)
+}
+
+fn tube_of(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
+    let [rmax, z] = numbers.lengths(e, ["rmax", "z"])?;
+    let [rmin] = numbers.lengths_or_zero(e, ["rmin"])?;
+    let phi = sector(numbers, e)?;
+    sizes.extend([("rmin", rmin), ("rmax", rmax), ("z", z), ("start", phi.start), ("delta", phi.delta)]);
+    tube(rmin, rmax, z, phi)
+}
+
+fn cone_of(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
+    let [rmax1, rmax2, z] = numbers.lengths(e, ["rmax1", "rmax2", "z"])?;
+    let [rmin1, rmin2] = numbers.lengths_or_zero(e, ["rmin1", "rmin2"])?;
+    let phi = sector(numbers, e)?;
+    sizes.extend([("rmin1", rmin1), ("rmax1", rmax1), ("rmin2", rmin2), ("rmax2", rmax2), ("z", z)]);
+    sizes.extend([("start", phi.start), ("delta", phi.delta)]);
+    cone([rmin1, rmax1], [rmin2, rmax2], z, phi)
+}
+
+fn sphere_of(numbers: &mut Numbers, e: &Element) -> Made {
+    let [rmax] = numbers.lengths(e, ["rmax"])?;
+    let [rmin] = numbers.lengths_or_zero(e, ["rmin"])?;
+    let start = numbers.angle(e, "starttheta", 0.0)?;
+    let theta = Phi { start, delta: numbers.angle(e, "deltatheta", 180.0 - start)? };
+    sphere(rmin, rmax, sector(numbers, e)?, theta)
+}
+
+fn elcone_of(numbers: &mut Numbers, e: &Element) -> Made {
+    let [zmax, zcut] = numbers.lengths(e, ["zmax", "zcut"])?;
+    let (dx, dy) = (numbers.number(e, "dx")?, numbers.number(e, "dy")?);
+    elliptical_cone(dx, dy, zmax, zcut)
+}
+
+fn hype_of(numbers: &mut Numbers, e: &Element) -> Made {
+    let [rmax, z] = numbers.lengths(e, ["rmax", "z"])?;
+    let [rmin] = numbers.lengths_or_zero(e, ["rmin"])?;
+    let [inst, outst] = numbers.angles(e, ["inst", "outst"])?;
+    hype(rmin, rmax, inst, outst, z)
+}
+
+fn twistedtrap_of(numbers: &mut Numbers, e: &Element) -> Made {
+    let [z, y1, x1, x2, y2, x3, x4] = numbers.lengths(e, ["z", "y1", "x1", "x2", "y2", "x3", "x4"])?;
+    let [theta, phi, alpha] = numbers.angles(e, ["Theta", "Phi", "Alph"])?;
+    let (low, high) = ([y1, x1, x2, alpha], [y2, x3, x4, alpha]);
+    twist(numbers, e, &Trapezoid { z, theta, phi, low, high })
 }
 
 fn cut_tube_of(numbers: &mut Numbers, e: &Element) -> Made {

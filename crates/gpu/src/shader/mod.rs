@@ -1,9 +1,9 @@
 //! The shader of a program: templates, specialised for what the program needs.
 
-use crate::codes::declarations;
+use crate::codes::{Kind, declarations};
 use crate::double::Doubles;
 use crate::frame::{MOST_TOLERANCE, NEAR, TOLERANCE};
-use crate::layout::{Kind, Layout};
+use crate::layout::Layout;
 use rayweave_math::UNIT_ROUNDOFF;
 
 /// Operations in double precision whose results the compiler of the device cannot change.

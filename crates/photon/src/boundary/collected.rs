@@ -4,7 +4,7 @@
 use super::event::BoundaryEvent;
 use super::lanes::{Contacts, Group};
 use super::{bare, painted};
-use crate::draws::Counter;
+use crate::philox::Counter;
 use crate::rows::get;
 use fearless_simd::Simd;
 use rayweave_math::Vec3;

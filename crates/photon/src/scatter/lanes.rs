@@ -1,8 +1,8 @@
 //! Rayleigh scattering of eight photons at a time: the operations of [`rayleigh`](super::rayleigh) in the same order, and so the
 //! same bits.
 
-use crate::draws::{Counter, Words, around, scattering_uniforms, stream};
-use crate::philox::Purpose;
+use crate::draws::{Words, around, scattering_uniforms, stream};
+use crate::philox::{Counter, Purpose};
 use crate::photon::Photon;
 use crate::rows::{Row, lane_of, minus, negative, put, vector};
 use fearless_simd::Simd;
