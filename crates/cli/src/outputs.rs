@@ -26,7 +26,7 @@ const OUTPUTS: [(&str, &str); 14] = [
 ];
 
 /// The arguments that name files or folders to read, and their names in messages.
-const INPUTS: [(&str, &str); 15] = [
+const INPUTS: [(&str, &str); 16] = [
     ("model", "the model"),
     ("other", "the second model"),
     ("a", "the first run"),
@@ -36,6 +36,7 @@ const INPUTS: [(&str, &str); 15] = [
     ("spectrum", "the input --spectrum"),
     ("gensteps", "the input --gensteps"),
     ("photons", "the input --photons"),
+    ("hits", "the table of hits"),
     ("surface_tables", "the input --surface-tables"),
     ("dichroic", "the input --dichroic"),
     ("sums", "the input --sums"),

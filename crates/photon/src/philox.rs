@@ -239,6 +239,48 @@ mod tests {
         (mean, squares / count as f64 - mean * mean)
     }
 
+    /// Chi-squared of Poisson numbers against their probabilities, as its distance from the number of degrees of freedom in standard
+    /// deviations. Numbers with an expectation below 10 count together.
+    fn poisson_deviation(mean: f64, count: u64) -> f64 {
+        let mut found = vec![0_u64; 64];
+        for photon in 0..count {
+            let number = Stream::new(11, photon, 0, Purpose::Reemission).poisson(mean);
+            found[(number as usize).min(63)] += 1;
+        }
+        let (mut probability, mut below) = (libm::exp(-mean), 0.0);
+        let (mut chi2, mut bins, mut rest) = (0.0, 0_u32, count);
+        for (number, found) in found.into_iter().enumerate() {
+            let expected = count as f64 * probability;
+            if expected < 10.0 && number as f64 > mean {
+                break;
+            }
+            chi2 += (found as f64 - expected).powi(2) / expected;
+            (bins, rest, below) = (bins + 1, rest - found, below + probability);
+            probability *= mean / (number + 1) as f64;
+        }
+        let expected = count as f64 * (1.0 - below);
+        chi2 += (rest as f64 - expected).powi(2) / expected;
+        (chi2 - f64::from(bins)) / f64::from(2 * bins).sqrt()
+    }
+
+    #[test]
+    fn poisson_numbers_have_their_probabilities() {
+        for mean in [0.3, 1.5, 12.0] {
+            let deviation = poisson_deviation(mean, 100_000);
+            assert!(deviation.abs() < 4.0, "{mean}: {deviation}");
+        }
+    }
+
+    #[test]
+    #[ignore = "long"]
+    fn long_poisson_numbers_have_their_probabilities() {
+        for mean in [0.3, 1.5, 12.0] {
+            let deviation = poisson_deviation(mean, 100_000_000);
+            println!("mean {mean}: {deviation:+.2} standard deviations");
+            assert!(deviation.abs() < 4.0, "{mean}: {deviation}");
+        }
+    }
+
     /// Means and variances lie within five standard errors of their closed forms.
     #[test]
     fn distributions_have_their_moments() {

@@ -198,7 +198,7 @@ fn planes_in_faces_are_noted() {
         "rayweave = 1\n[solid.slot.extrude]\n\
          outline = [[-1, -2], { at = [1, -2], bulge = 1 }, [1, 2], { at = [-1, 2], bulge = 1 }]\nheight = 5",
     );
-    for plane in ["y=0", "x=1", "x=-1", "y=2.5"] {
+    for plane in ["y=0", "x=1", "x=-1", "x=2.5"] {
         assert_eq!(bench.run(&["section", "slot.toml", "--plane", plane]).err, "", "{plane}");
     }
     for plane in ["y=-2", "y=2", "z=0"] {

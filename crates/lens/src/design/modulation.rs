@@ -148,14 +148,15 @@ mod tests {
     use super::*;
 
     /// The transfer function of a clear circular pupil: 2 / pi (acos v - v sqrt(1 - v^2)) at the frequency v over the cutoff
-    /// (Goodman, equation 6-31).
+    /// (Goodman, equation 6-31). The integrand has a branch point next to the ends of the overlap, at a distance that goes with v: small
+    /// shifts converge slowest.
     #[test]
     fn the_overlap_of_two_disks() {
-        for k in 0..20 {
+        for (k, (count, tolerance)) in (0..20).flat_map(|k| [(k, (16, 2e-7)), (k, (32, 1e-9))]) {
             let v = f64::from(k) / 20.0;
-            let (points, weights) = overlap([1.2 * v, -1.6 * v], 16).unwrap();
+            let (points, weights) = overlap([1.2 * v, -1.6 * v], count).unwrap();
             let expected = 2.0 / std::f64::consts::PI * (libm::acos(v) - v * (1.0 - v * v).sqrt());
-            assert!((weights.iter().sum::<f64>() - expected).abs() < 1e-9, "{v}");
+            assert!((weights.iter().sum::<f64>() - expected).abs() < tolerance, "{v}");
             assert!(points.iter().all(|[x, y]| libm::hypot(*x, *y) < 1.0));
             for pair in points.chunks(2) {
                 let off = [pair[0][0] - pair[1][0] - 1.2 * v, pair[0][1] - pair[1][1] + 1.6 * v];
