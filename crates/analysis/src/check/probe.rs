@@ -273,10 +273,18 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         bounds: &Bounds,
         across: u32,
     ) -> Result<Option<Thickest>, AnalysisError> {
+        match self.evaluator_within(solid, bounds)? {
+            Some(evaluator) => self.thickest_of_evaluator(&evaluator, bounds, across),
+            None => Ok(None),
+        }
+    }
+
+    /// An evaluator of a solid; `None` if the solid does not reach into a box.
+    fn evaluator_within(&self, solid: &Solid, bounds: &Bounds) -> Result<Option<E>, AnalysisError> {
         let program = Program::compile(solid)?;
         match bounds.intersection(&program.bounds()).is_empty() {
             true => Ok(None),
-            false => self.thickest_of_evaluator(&(self.make)(Arc::new(program))?, bounds, across),
+            false => Ok(Some((self.make)(Arc::new(program))?)),
         }
     }
 
@@ -321,11 +329,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         bounds: &Bounds,
         across: u32,
     ) -> Result<Option<Thickest>, AnalysisError> {
-        let program = Program::compile(solid)?;
-        if bounds.intersection(&program.bounds()).is_empty() {
-            return Ok(None);
-        }
-        let evaluator = (self.make)(Arc::new(program))?;
+        let Some(evaluator) = self.evaluator_within(solid, bounds)? else { return Ok(None) };
         let least = self.scope.distance;
         for across in [FEWER, across] {
             let met = self.thickest_of_evaluator(&evaluator, bounds, across)?;
