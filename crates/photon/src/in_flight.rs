@@ -195,7 +195,7 @@ impl Numbers {
 mod tests {
     use super::*;
 
-    /// The number in the guide to photons.
+    /// The number in `docs/reference/photon-validation.md`.
     #[test]
     fn a_photon_in_flight_takes_100_bytes() {
         assert_eq!(size_of::<Photon>() + size_of::<Mark>(), 100);

@@ -300,7 +300,7 @@ class Detector:
 
     def check(self) -> Findings:
         """The probable mistakes in the optical part of the file, in the order of the rules: the findings `optical` and `unused` of the
-        command `rayweave check`. The guide lists the rules.
+        command `rayweave check`. The page "Photons: physics and conventions" lists the rules.
 
         Examples
         --------

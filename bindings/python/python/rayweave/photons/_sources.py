@@ -290,7 +290,7 @@ def gensteps(detector: Detector, steps: ArrayLike, *, materials: Mapping[int, st
         The detector, whose materials emit the photons.
     steps
         (N, 6, 4), float32: the layout of Opticks, in which the bits of some numbers are integers; or (N, 16): the fields of Geant4
-        11.4. The guide lists them.
+        11.4. The page "Photons: files" lists them.
     materials
         The names of materials by their numbers in the gensteps. A number without a name stands for the material that the middle of
         all its steps is in.
