@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
 /// Guides whose commands use only files of the page.
-const GUIDES: [&str; 2] = ["optics-files.md", "photons.md"];
+const GUIDES: [&str; 3] = ["optics-files.md", "photons.md", "radiography.md"];
 
 fn pages() -> Vec<PathBuf> {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
