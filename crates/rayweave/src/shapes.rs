@@ -3,6 +3,7 @@
 //! Lengths are in an arbitrary unit, angles in degrees, axes right-handed. Parameters out of range are errors
 //! that name the parameter, its range and, where possible, the likely intention. The manual page of each
 //! shape, with its equation, faces and degenerate cases, is in [`crate::shape::primitive::MANUALS`].
+//! `polygon::Outline` (feature `space`) extrudes and revolves outlines.
 //!
 //! ```
 //! use rayweave::shapes::{box_, sphere};
