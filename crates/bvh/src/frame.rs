@@ -143,6 +143,11 @@ impl Probe {
         self.begin + f64::from(here) * self.pace
     }
 
+    /// A time of the original ray's parameter in the frame, rounded up like the end of the window.
+    pub(crate) fn here(&self, time: f64) -> f32 {
+        (((time - self.begin) / self.pace).clamp(-self.end, self.end) + ROUNDING) as f32
+    }
+
     /// A time by which the ray has left every box.
     pub(crate) fn end(&self) -> f64 {
         self.begin + self.end * self.pace

@@ -77,11 +77,12 @@ impl FrontToBack {
 }
 
 /// Maps a number to bits that sort in the same order.
-fn bits_of(time: f32) -> u32 {
+pub(crate) fn bits_of(time: f32) -> u32 {
     let bits = time.to_bits();
     if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
 }
 
-fn time_of(bits: u32) -> f32 {
+/// The number with these bits: the inverse of [`bits_of`].
+pub(crate) fn time_of(bits: u32) -> f32 {
     f32::from_bits(if bits >> 31 == 1 { bits ^ 1 << 31 } else { !bits })
 }

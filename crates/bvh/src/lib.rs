@@ -20,7 +20,7 @@
 //!
 //! | type | boxes | queries | users |
 //! | --- | --- | --- | --- |
-//! | [`Bvh`] | `f32`, rounded outwards | rays in any order or [front to back](FrontToBack), boxes, nearest items | `trace`, `mesh` |
+//! | [`Bvh`] | `f32`, rounded outwards | rays in any order, [front to back](FrontToBack) or [approximately so](ForwardSearch), boxes, nearest items | `trace`, `mesh` |
 //! | [`ExactBvh`] | `f64`, as given | a condition on boxes, in list order; [bundles of eight rays](BundleTraversal), [eight rays, each on its own](RayTraversals), [many rays](RayStreams) | `trace`, `optics` |
 //!
 //! Both are a flat array of nodes in preorder; [`ExactBvh`] has the topology that the builder made for the other.
@@ -58,6 +58,7 @@ mod breadth;
 mod build;
 mod bundle;
 mod exact;
+mod forward;
 mod frame;
 mod front;
 mod node;
@@ -68,6 +69,7 @@ mod tree;
 
 pub use bundle::{Bundle, BundleSlabs, BundleTraversal, BundleWindow};
 pub use exact::{ExactBvh, FlatChild, FlatNode};
+pub use forward::ForwardSearch;
 pub use frame::Probe;
 pub use front::FrontToBack;
 pub use node::WIDTH;

@@ -4,8 +4,8 @@ use crate::common::{ALL, Ray, around, lists, passes, rays, scattered};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f64x8, mask64x8};
 use rayweave_bvh::{
-    BundleSlabs, BundleTraversal, BundleWindow, Bvh, ExactBvh, FrontToBack, Probe, RayStreams, RayTraversals,
-    SlabRays,
+    BundleSlabs, BundleTraversal, BundleWindow, Bvh, ExactBvh, ForwardSearch, FrontToBack, Probe, RayStreams,
+    RayTraversals, SlabRays,
 };
 use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3};
 
@@ -50,6 +50,41 @@ fn a_ray_visits_a_superset_of_the_exact_answer() {
         }
     }
     assert!(met > 5000, "{met}");
+}
+
+/// The items of a search in the order in which they are found, up to a time.
+fn searched(tree: &Bvh, ray: &Ray, until: f64) -> Vec<u32> {
+    dispatch!(Level::new(), simd => {
+        let mut search = ForwardSearch::default();
+        search.begin(simd, tree, probe(tree, ray));
+        std::iter::from_fn(|| search.next(simd, tree, until)).collect()
+    })
+}
+
+#[test]
+fn a_forward_search_finds_all_items_up_to_a_time() {
+    let (mut met, mut all, mut ends) = (0, 0, 0);
+    for (seed, boxes) in lists().into_iter().enumerate() {
+        let tree = Bvh::of_items(&boxes, 1);
+        for (k, ray) in rays(seed as u64, &boxes, 60).into_iter().enumerate() {
+            let expected = on_the_way(&ray, &boxes);
+            let found = sorted(searched(&tree, &ray, ray.window[1]));
+            assert_eq!(found, touched(&tree, &ray), "list {seed}: {ray:?}");
+            assert!(expected.iter().all(|item| found.binary_search(item).is_ok()), "list {seed}: {ray:?}");
+            // the time at which the ray passes the middle of some item
+            let Some(&item) = expected.get(k % expected.len().max(1)) else { continue };
+            let towards = boxes[item as usize].centre() - ray.origin;
+            let until = towards.dot(ray.direction) / ray.direction.length_squared();
+            let sooner = Ray { window: [ray.window[0], until], ..ray };
+            let found = sorted(searched(&tree, &ray, until));
+            for item in on_the_way(&sooner, &boxes) {
+                assert!(found.binary_search(&item).is_ok(), "list {seed}: {ray:?} misses {item}");
+                met += 1;
+            }
+            (all, ends) = (all + expected.len(), ends + found.len());
+        }
+    }
+    assert!(met > 2000 && ends < all, "{met} {ends} {all}");
 }
 
 #[test]
