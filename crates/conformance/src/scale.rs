@@ -26,6 +26,24 @@ pub fn spheres(n: usize, seed: u64) -> Solid {
     }))
 }
 
+/// The union of `n` parts at random places, each turned at random: cylinders, tubes, frustums and ellipsoids in turn. Their size
+/// is proportional to n^(-1/3), so that the number of parts on a ray grows as in [`spheres`].
+pub fn parts(n: usize, seed: u64) -> Solid {
+    let mut rng = Random::new(seed);
+    let size = libm::cbrt(0.2 / n.max(1) as f64);
+    Solid::union((0..n).map(|k| {
+        let (r, h) = (size * rng.between(0.25, 0.5), size * rng.between(0.5, 1.5));
+        let part = match k % 4 {
+            0 => shape("cylinder", &[("radius", r), ("height", h)]),
+            1 => shape("tube", &[("outer_radius", r), ("inner_radius", 0.6 * r), ("height", h)]),
+            2 => shape("cone", &[("radius1", r), ("radius2", 0.5 * r), ("height", h)]),
+            _ => shape("sphere", &[("radius", r)]).scale([1.0, 0.7, h / (2.0 * r)]),
+        };
+        let turn = Affine::rotation(rng.direction(), rng.between(0.0, 360.0));
+        part.apply(turn).translate(rng.point((1.0 - size).max(0.0)))
+    }))
+}
+
 /// A plate, 2 by 2 by 0.1, minus `n` round holes on a square grid: `n` + 1 leaves.
 pub fn plate(n: usize) -> Solid {
     let half = Vec3::new(1.0, 1.0, 0.05);
@@ -159,6 +177,7 @@ mod tests {
         };
         for n in [1, 7, 100, 1000] {
             in_cube(spheres(n, 1), n);
+            in_cube(parts(n, 1), n);
             in_cube(plate(n), n + 1);
             in_cube(sponge(n), n.div_ceil(4) * 4);
             // a solid placed once is not an instance

@@ -270,6 +270,18 @@ impl<R: Real> Vector<R> {
         Vector { x: self.x * v.x, y: self.y * v.y, z: self.z * v.z }
     }
 
+    /// Componentwise product.
+    #[inline(always)]
+    pub fn times_each(self, other: Self) -> Self {
+        Vector { x: self.x * other.x, y: self.y * other.y, z: self.z * other.z }
+    }
+
+    /// The component perpendicular to a unit axis, one per ray: [`Vector::perpendicular`].
+    #[inline(always)]
+    pub fn perpendicular_to(self, axis: Self) -> Self {
+        self.minus(axis.times(self.dot(axis)))
+    }
+
     /// `self - along axis`: the same axis for all rays, one factor `along` per ray.
     #[inline(always)]
     pub fn without(self, along: R, axis: Vec3) -> Self {

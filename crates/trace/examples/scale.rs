@@ -1,4 +1,4 @@
-//! Cost of a ray as a function of the number of leaves, in four families of models. The argument is the
+//! Cost of a ray as a function of the number of leaves, in five families of models. The argument is the
 //! largest number of leaves (default 100000).
 
 use rayweave_conformance::{Random, scale};
@@ -67,6 +67,7 @@ fn main() {
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
     let sizes = || (3..).map(|k| 10usize.pow(k)).take_while(move |&n| n <= most);
     sizes().for_each(|n| row("spheres", n, &scale::spheres(n, 1), Vec3::ONE));
+    sizes().for_each(|n| row("parts", n, &scale::parts(n, 1), Vec3::ONE));
     sizes().for_each(|n| row("plate", n, &scale::plate(n), Vec3::new(1.0, 1.0, 0.05)));
     sizes().for_each(|n| row("sponge", n, &scale::sponge(n), Vec3::ONE));
     sizes().for_each(|n| row("lattice", n, &scale::lattice(n), Vec3::ONE));

@@ -2,14 +2,37 @@
 
 use super::quadratic::{Form, Roots, Size};
 use super::ray::{LaneRay, Uncertain};
-use super::vector::{Lanes, Vec3Lanes};
+use super::vector::{Lanes, Vec3Lanes, splat};
+use crate::surface::cone::split;
 use crate::surface::{Cone, SQUARE_NOISE};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
-/// Half of the largest change of the gradient per unit of length.
-pub(super) fn bend(cone: &Cone) -> f64 {
-    1.0 + cone.slope * cone.slope
+/// A cone for each ray.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ConeLanes<S: Simd> {
+    pub apex: Vec3Lanes<S>,
+    pub axis: Vec3Lanes<S>,
+    pub slope: Lanes<S>,
+}
+
+impl<S: Simd> ConeLanes<S> {
+    /// The same cone for all rays.
+    #[inline(always)]
+    pub fn same(simd: S, cone: &Cone) -> Self {
+        let [apex, axis] = [cone.apex, cone.axis];
+        ConeLanes {
+            apex: Vec3Lanes::splat(simd, apex),
+            axis: Vec3Lanes::splat(simd, axis),
+            slope: splat(simd, cone.slope),
+        }
+    }
+
+    /// Half of the largest change of the gradient per unit of length.
+    #[inline(always)]
+    pub fn bend(&self) -> Lanes<S> {
+        self.slope * self.slope + 1.0
+    }
 }
 
 /// Rays in cone coordinates: the slope times the axial component, and the perpendicular component.
@@ -19,22 +42,24 @@ struct Line<S: Simd> {
     from: Vec3Lanes<S>,
     rise: Lanes<S>,
     along: Vec3Lanes<S>,
-    slope: f64,
+    slope: Lanes<S>,
 }
 
 /// Roots of the rays with the cone.
 #[inline(always)]
 pub(super) fn roots<S: Simd>(
     simd: S,
-    cone: &Cone,
+    cone: &ConeLanes<S>,
     ray: &LaneRay<S>,
     uncertain: &mut Uncertain<S>,
 ) -> Roots<S> {
-    let shift = ray.origin.taken_from(cone.apex).dot(ray.direction) / ray.square;
-    let place = ray.origin.minus_all(cone.apex).plus(ray.direction.times(shift));
-    let ((height, from), (rise, along)) = (cone.split(place), cone.split(ray.direction));
-    let size = Size { place, bend: bend(cone), linear: 0.0, constant: 0.0 };
-    Line { shift, height, from, rise, along, slope: cone.slope }.roots(simd, ray, Some(size), uncertain)
+    let &ConeLanes { apex, axis, slope } = cone;
+    let shift = apex.minus(ray.origin).dot(ray.direction) / ray.square;
+    let place = ray.origin.minus(apex).plus(ray.direction.times(shift));
+    let ((height, from), (rise, along)) = (split(place, axis, slope), split(ray.direction, axis, slope));
+    let zero = splat(simd, 0.0);
+    let size = Size { place, bend: cone.bend(), linear: zero, constant: zero };
+    Line { shift, height, from, rise, along, slope }.roots(simd, ray, Some(size), uncertain)
 }
 
 impl<S: Simd> Form<S> for Line<S> {

@@ -1,6 +1,7 @@
 //! One side of a surface, prepared for SIMD lanes.
 
 use super::axis::{AxisCylinder, AxisSlab, axis_of_plane};
+use super::cone::ConeLanes;
 use super::quadratic::Roots;
 use super::quadric::LaneQuadric;
 use super::ray::{LaneRay, LaneStarts, Uncertain};
@@ -269,15 +270,21 @@ impl LaneFacet {
     ) -> Option<Gap<S>> {
         match &self.kernel {
             Kernel::Cone(cone) => {
-                let roots = super::cone::roots(simd, cone, ray, uncertain);
-                self.second_degree(simd, ray, &roots, super::cone::bend(cone), span, uncertain)
+                let cone = ConeLanes::same(simd, cone);
+                let roots = super::cone::roots(simd, &cone, ray, uncertain);
+                Some(self.curved_side(simd).narrow(simd, ray, (&roots, cone.bend()), span, uncertain))
             }
             Kernel::Quadric(quadric) => {
                 let roots = quadric.roots(simd, ray, uncertain);
-                self.second_degree(simd, ray, &roots, 1.0, span, uncertain)
+                Some(self.curved_side(simd).narrow(simd, ray, (&roots, splat(simd, 1.0)), span, uncertain))
             }
             _ => None,
         }
+    }
+
+    #[inline(always)]
+    fn curved_side<S: Simd>(&self, simd: S) -> CurvedSide<S> {
+        CurvedSide { inside: self.inside, is_one_piece: self.is_one_piece, face: splat(simd, self.face) }
     }
 
     /// A torus: most rays miss its bounding ball and skip the rest.
@@ -354,48 +361,6 @@ impl LaneFacet {
         times.narrow(faces, span, uncertain);
     }
 
-    /// A surface of degree 2: for some rays it holds between the roots, for others outside of them.
-    #[inline(always)]
-    fn second_degree<S: Simd>(
-        &self,
-        simd: S,
-        ray: &LaneRay<S>,
-        roots: &Roots<S>,
-        bend: f64,
-        span: &mut LaneSpan<S>,
-        uncertain: &mut Uncertain<S>,
-    ) -> Option<Gap<S>> {
-        let [plus, minus] = super::ray::infinite(simd);
-        let narrows = if self.inside { !roots.opens } else { roots.opens };
-        let face = splat(simd, self.face);
-        let (mut from, mut to) = (narrows.select(roots.from, minus), narrows.select(roots.to, plus));
-        let mut gap = Gap { from: narrows.select(plus, roots.from), to: narrows.select(minus, roots.to) };
-        if self.is_one_piece {
-            let [before, after] = gap.pieces(span);
-            // at equal times the face declared first is reported, but this facet is tested last, whatever its position
-            uncertain.always |= (before & after) | Self::meets_ends(roots, span);
-            let cuts = gap.from.simd_lt(gap.to);
-            to = (cuts & before).select(gap.from, to);
-            from = (cuts & !before).select(gap.to, from);
-            gap = Gap { from: plus, to: minus };
-        }
-        let (begins, ends) = (span.begin_after(from, face), span.end_before(to, face));
-        if roots.is_slow(ray).any_true() {
-            let either = (!narrows & (begins | ends)) | gap.from.simd_lt(gap.to);
-            uncertain.grazes |= (begins | either) & roots.is_gentle(ray, roots.from, bend);
-            uncertain.grazes |= (ends | either) & roots.is_gentle(ray, roots.to, bend);
-        }
-        Some(gap)
-    }
-
-    #[inline(always)]
-    fn meets_ends<S: Simd>(roots: &Roots<S>, span: &LaneSpan<S>) -> Mask<S> {
-        let (from, to) = (roots.from, roots.to);
-        let meets =
-            from.simd_eq(span.from) | from.simd_eq(span.to) | to.simd_eq(span.from) | to.simd_eq(span.to);
-        meets & roots.is_some()
-    }
-
     /// Intersects the span with the interval in which f < 0, or returns that interval as a gap.
     #[inline(always)]
     fn apply_interval<S: Simd>(
@@ -411,6 +376,50 @@ impl LaneFacet {
         span.begin_after(from, splat(simd, self.face));
         span.end_before(to, splat(simd, self.face));
         None
+    }
+}
+
+/// A side of surfaces of degree 2.
+pub(super) struct CurvedSide<S: Simd> {
+    /// True for the side where f < 0.
+    pub inside: bool,
+    /// See [`LaneFacet::is_one_piece`].
+    pub is_one_piece: bool,
+    pub face: Lanes<S>,
+}
+
+impl<S: Simd> CurvedSide<S> {
+    /// Narrows a span to this side, which some rays are on between the roots, others outside of them. Returns the gap of the
+    /// latter, unless the side is one piece. `bend` is half of the largest change of the gradient per unit of length.
+    #[inline(always)]
+    pub fn narrow(
+        &self,
+        simd: S,
+        ray: &LaneRay<S>,
+        (roots, bend): (&Roots<S>, Lanes<S>),
+        span: &mut LaneSpan<S>,
+        uncertain: &mut Uncertain<S>,
+    ) -> Gap<S> {
+        let [plus, minus] = super::ray::infinite(simd);
+        let narrows = if self.inside { !roots.opens } else { roots.opens };
+        let (mut from, mut to) = (narrows.select(roots.from, minus), narrows.select(roots.to, plus));
+        let mut gap = Gap { from: narrows.select(plus, roots.from), to: narrows.select(minus, roots.to) };
+        if self.is_one_piece {
+            let [before, after] = gap.pieces(span);
+            // at equal times the face declared first is reported, but this facet is tested last, whatever its position
+            uncertain.always |= (before & after) | roots.meets_ends(span);
+            let cuts = gap.from.simd_lt(gap.to);
+            to = (cuts & before).select(gap.from, to);
+            from = (cuts & !before).select(gap.to, from);
+            gap = Gap { from: plus, to: minus };
+        }
+        let (begins, ends) = (span.begin_after(from, self.face), span.end_before(to, self.face));
+        if roots.is_slow(ray).any_true() {
+            let either = (!narrows & (begins | ends)) | gap.from.simd_lt(gap.to);
+            uncertain.grazes |= (begins | either) & roots.is_gentle(ray, roots.from, bend);
+            uncertain.grazes |= (ends | either) & roots.is_gentle(ray, roots.to, bend);
+        }
+        gap
     }
 }
 

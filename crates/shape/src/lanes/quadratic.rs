@@ -4,6 +4,7 @@
 //! [`quadratic`](fn@rayweave_math::roots::quadratic), which document their derivation.
 
 use super::ray::{LaneRay, Uncertain};
+use super::span::LaneSpan;
 use super::vector::{Lanes, Mask, Vec3Lanes, splat};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -80,11 +81,11 @@ pub(super) struct Size<S: Simd> {
     /// The point of closest approach to the centre of the surface, relative to it.
     pub place: Vec3Lanes<S>,
     /// Half of the largest change of the gradient per unit of length.
-    pub bend: f64,
+    pub bend: Lanes<S>,
     /// Length of the gradient at the centre.
-    pub linear: f64,
+    pub linear: Lanes<S>,
     /// Value at the centre.
-    pub constant: f64,
+    pub constant: Lanes<S>,
 }
 
 /// Square of 1e-4: see [`Roots::is_gentle`].
@@ -176,8 +177,8 @@ fn may_lie_in<S: Simd>(
 ) -> Mask<S> {
     let value = (a * late + b * 2.0) * late + c;
     let far = size.place.taxicab() + late.abs() * ray.speed + ray.near;
-    let bound = ray.near * (far * (4.0 * size.bend) + 2.0 * size.linear);
-    value.abs().simd_le(bound + 16.0 * UNIT_ROUNDOFF * size.constant.abs())
+    let bound = ray.near * (far * (size.bend * 4.0) + size.linear * 2.0);
+    value.abs().simd_le(bound + size.constant.abs() * (16.0 * UNIT_ROUNDOFF))
 }
 
 impl<S: Simd> Roots<S> {
@@ -192,10 +193,19 @@ impl<S: Simd> Roots<S> {
     /// uncertain: enough for L below 10 L(root). Farther away |d| h is at least 0.9 L, so L would have to be 1e9 L(root);
     /// such times are uncertain, too.
     #[inline(always)]
-    pub fn is_gentle(&self, ray: &LaneRay<S>, t: Lanes<S>, bend: f64) -> Mask<S> {
+    pub fn is_gentle(&self, ray: &LaneRay<S>, t: Lanes<S>, bend: Lanes<S>) -> Mask<S> {
         let slope = ray.lengths_at(t) * ray.speed * bend;
         let slow = self.square.abs().simd_lt(ray.slow_square);
         slow & !self.discriminant.simd_gt(slope * slope * GENTLE_SQUARE)
+    }
+
+    /// True if an end of a span is at a root.
+    #[inline(always)]
+    pub fn meets_ends(&self, span: &LaneSpan<S>) -> Mask<S> {
+        let (from, to) = (self.from, self.to);
+        let meets =
+            from.simd_eq(span.from) | from.simd_eq(span.to) | to.simd_eq(span.from) | to.simd_eq(span.to);
+        meets & self.is_some()
     }
 
     /// True if there are two roots.

@@ -3,6 +3,7 @@
 use super::quadratic::{Form, Roots, Size};
 use super::ray::{LaneRay, Uncertain};
 use super::vector::{Lanes, Vec3Lanes, splat};
+use crate::surface::quadric::{coefficients, time_of_least_terms};
 use crate::surface::{Quadric, SQUARE_NOISE};
 use fearless_simd::Simd;
 use rayweave_math::Vec3;
@@ -11,9 +12,9 @@ use rayweave_math::Vec3;
 #[derive(Clone, Copy, Debug)]
 pub struct LaneQuadric {
     quadric: Quadric,
-    is_ruled: bool,
+    pub(super) is_ruled: bool,
     /// Length of the linear part.
-    linear: f64,
+    pub(super) linear: f64,
     /// True if f may be negative far away.
     pub(super) may_open: bool,
 }
@@ -44,22 +45,7 @@ impl LaneQuadric {
     /// Roots of the rays with the quadric.
     #[inline(always)]
     pub(super) fn roots<S: Simd>(&self, simd: S, ray: &LaneRay<S>, uncertain: &mut Uncertain<S>) -> Roots<S> {
-        let Quadric { centre, axes, linear, constant, .. } = self.quadric;
-        let mut shift = ray.origin.taken_from(centre).dot(ray.direction) / ray.square;
-        let mut place = ray.origin.minus_all(centre).plus(ray.direction.times(shift));
-        let (mut level, rise) = (place.dot_all(linear) + constant, ray.direction.dot_all(linear));
-        let (mut x, v) = (place.dots(axes), ray.direction.dots(axes));
-        if self.is_ruled {
-            // if noise matters, it exceeds the square term, and the lane is uncertain
-            let later = self.quadric.time_of_least_terms((x, v), rise, splat(simd, 0.0));
-            shift += later;
-            place = place.plus(ray.direction.times(later));
-            x = x.plus(v.times(later));
-            level += later * rise;
-        }
-        let size = Size { place, bend: 1.0, linear: self.linear, constant };
-        let line = Line { shift, quadric: &self.quadric, x, v, level, rise };
-        line.roots(simd, ray, self.is_ruled.then_some(size), uncertain)
+        QuadricLanes::same(simd, self).roots(simd, ray, self.is_ruled, uncertain)
     }
 
     /// The surface.
@@ -68,17 +54,74 @@ impl LaneQuadric {
     }
 }
 
+/// A quadric for each ray.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct QuadricLanes<S: Simd> {
+    pub centre: Vec3Lanes<S>,
+    pub axes: [Vec3Lanes<S>; 3],
+    pub weights: Vec3Lanes<S>,
+    pub linear: Vec3Lanes<S>,
+    pub constant: Lanes<S>,
+    /// Length of the linear part.
+    pub slope: Lanes<S>,
+}
+
+impl<S: Simd> QuadricLanes<S> {
+    /// The same quadric for all rays.
+    #[inline(always)]
+    fn same(simd: S, of: &LaneQuadric) -> Self {
+        let Quadric { centre, axes: [a, b, c], weights, linear, constant } = of.quadric;
+        let axes = [Vec3Lanes::splat(simd, a), Vec3Lanes::splat(simd, b), Vec3Lanes::splat(simd, c)];
+        QuadricLanes {
+            centre: Vec3Lanes::splat(simd, centre),
+            axes,
+            weights: Vec3Lanes::splat(simd, weights),
+            linear: Vec3Lanes::splat(simd, linear),
+            constant: splat(simd, constant),
+            slope: splat(simd, of.linear),
+        }
+    }
+
+    /// Roots of the rays with the quadrics; `is_ruled` is that of all of them.
+    #[inline(always)]
+    pub fn roots(&self, simd: S, ray: &LaneRay<S>, is_ruled: bool, uncertain: &mut Uncertain<S>) -> Roots<S> {
+        let &QuadricLanes { centre, weights, linear, constant, slope, .. } = self;
+        let mut shift = centre.minus(ray.origin).dot(ray.direction) / ray.square;
+        let mut place = ray.origin.minus(centre).plus(ray.direction.times(shift));
+        let (mut level, rise) = (place.dot(linear) + constant, ray.direction.dot(linear));
+        let (mut x, v) = (self.coordinates(place), self.coordinates(ray.direction));
+        if is_ruled {
+            // if noise matters, it exceeds the square term, and the lane is uncertain
+            let later = time_of_least_terms(weights, (x, v), rise, splat(simd, 0.0));
+            shift += later;
+            place = place.plus(ray.direction.times(later));
+            x = x.plus(v.times(later));
+            level += later * rise;
+        }
+        let size = Size { place, bend: splat(simd, 1.0), linear: slope, constant };
+        let line = Line { shift, weights, x, v, level, rise };
+        line.roots(simd, ray, is_ruled.then_some(size), uncertain)
+    }
+
+    /// Coordinates along the principal axes.
+    #[inline(always)]
+    fn coordinates(&self, v: Vec3Lanes<S>) -> Vec3Lanes<S> {
+        let [x, y, z] = &self.axes;
+        Vec3Lanes { x: v.dot(*x), y: v.dot(*y), z: v.dot(*z) }
+    }
+}
+
 /// Rays in quadric coordinates: points and directions along the principal axes, and the non-square part of f with its rate.
-struct Line<'a, S: Simd> {
+struct Line<S: Simd> {
     shift: Lanes<S>,
-    quadric: &'a Quadric,
+    weights: Vec3Lanes<S>,
     x: Vec3Lanes<S>,
     v: Vec3Lanes<S>,
     level: Lanes<S>,
     rise: Lanes<S>,
 }
 
-impl<S: Simd> Form<S> for Line<'_, S> {
+impl<S: Simd> Form<S> for Line<S> {
     #[inline(always)]
     fn shift(&self) -> Lanes<S> {
         self.shift
@@ -86,19 +129,19 @@ impl<S: Simd> Form<S> for Line<'_, S> {
 
     #[inline(always)]
     fn square(&self) -> Lanes<S> {
-        self.v.times_all(self.quadric.weights).dot(self.v)
+        self.v.times_each(self.weights).dot(self.v)
     }
 
     #[inline(always)]
     fn noise(&self, ray: &LaneRay<S>) -> Lanes<S> {
         // terms of a dot product with a unit vector add up to less than the taxicab length
-        self.v.abs().dot_all(self.quadric.weights.abs()) * ray.speed * (1.01 * SQUARE_NOISE)
+        self.v.abs().dot(self.weights.abs()) * ray.speed * (1.01 * SQUARE_NOISE)
     }
 
     #[inline(always)]
     fn at(&self, s: Lanes<S>) -> [Lanes<S>; 2] {
         let (x, level) = (self.x.plus(self.v.times(s)), self.level + s * self.rise);
-        let [_, b, c] = self.quadric.coefficients((x, self.v), (level, self.rise));
+        let [_, b, c] = coefficients(self.weights, (x, self.v), (level, self.rise));
         [b, c]
     }
 }

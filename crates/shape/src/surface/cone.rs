@@ -41,8 +41,7 @@ impl Cone {
     /// The slope times the axial component, and the perpendicular component.
     #[inline(always)]
     pub(crate) fn split<R: Real>(&self, v: Vector<R>) -> (R, Vector<R>) {
-        let height = v.dot_all(self.axis);
-        (height * self.slope, v.without(height, self.axis))
+        split(v, v.same(self.axis), v.x.splat(self.slope))
     }
 
     /// `[a, b, c]` of f along a ray, `a t^2 + 2 b t + c`, from the components of its point and direction.
@@ -97,4 +96,11 @@ impl Cone {
         let here = Quadric::from_squares(self.apex, rows, [1.0, 1.0, -1.0], Vec3::ZERO, 0.0);
         Surface::Quadric(Box::new(here.transformed(to)))
     }
+}
+
+/// [`Cone::split`] with an axis and a slope for each ray.
+#[inline(always)]
+pub(crate) fn split<R: Real>(v: Vector<R>, axis: Vector<R>, slope: R) -> (R, Vector<R>) {
+    let height = v.dot(axis);
+    (height * slope, v.minus(axis.times(height)))
 }

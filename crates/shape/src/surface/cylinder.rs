@@ -38,32 +38,14 @@ impl Cylinder {
     /// direction times 1e-28 and infinity: only rays with a smaller squared speed across the axis can be parallel to it.
     #[inline(always)]
     pub(crate) fn approach<R: Real>(&self, origin: Vector<R>, direction: Vector<R>, slow: R) -> Approach<R> {
-        let [from, along] = self.across(origin, direction);
-        let mut square = along.length_squared();
-        if R::any(square.is_below(slow)) {
-            square = R::select(self.is_along(direction, along), square.splat(0.0), square);
-        }
-        let time = Approach::time(square, from.dot(along));
-        let apart = from.plus(along.times(time)).length_squared();
-        Approach { time, square, inside: apart.taken_from(self.radius * self.radius) }
+        let line = (origin.same(self.point), origin.same(self.axis));
+        approach((origin, direction), slow, line, slow.splat(self.radius))
     }
 
     /// Components perpendicular to the axis: origin (relative to the axis) and direction.
     #[inline(always)]
     fn across<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> [Vector<R>; 2] {
         [origin.minus_all(self.point).perpendicular(self.axis), direction.perpendicular(self.axis)]
-    }
-
-    /// True if a direction is parallel to the axis up to rounding: its perpendicular component `across` consists of rounding errors.
-    #[inline(always)]
-    fn is_along<R: Real>(&self, direction: Vector<R>, across: Vector<R>) -> R::Mask {
-        let (size, axis, across) = (direction.abs(), self.axis.abs(), across.abs());
-        let along = size.dot_all(axis);
-        let is_noise =
-            |component: R, size: R, axis: f64| component.is_at_most((size + along * axis) * DOT_NOISE);
-        is_noise(across.x, size.x, axis.x)
-            & is_noise(across.y, size.y, axis.y)
-            & is_noise(across.z, size.z, axis.z)
     }
 
     /// `[a, b]` of f along a ray that starts on the cylinder, `a t^2 + 2 b t`.
@@ -115,6 +97,35 @@ impl Cylinder {
         let axis = unit(map.vector(self.axis));
         Surface::Quadric(Box::new(Quadric { centre: perpendicular(there.centre, axis), ..there }))
     }
+}
+
+/// [`Cylinder::approach`] with a cylinder for each ray, given by its line and its radius.
+#[inline(always)]
+pub(crate) fn approach<R: Real>(
+    (origin, direction): (Vector<R>, Vector<R>),
+    slow: R,
+    (point, axis): (Vector<R>, Vector<R>),
+    radius: R,
+) -> Approach<R> {
+    let (from, along) = (origin.minus(point).perpendicular_to(axis), direction.perpendicular_to(axis));
+    let mut square = along.length_squared();
+    if R::any(square.is_below(slow)) {
+        square = R::select(is_along(direction, along, axis), square.splat(0.0), square);
+    }
+    let time = Approach::time(square, from.dot(along));
+    let apart = from.plus(along.times(time)).length_squared();
+    Approach { time, square, inside: radius * radius - apart }
+}
+
+/// True if a direction is parallel to an axis up to rounding: its perpendicular component `across` consists of rounding errors.
+#[inline(always)]
+fn is_along<R: Real>(direction: Vector<R>, across: Vector<R>, axis: Vector<R>) -> R::Mask {
+    let (size, axis, across) = (direction.abs(), axis.abs(), across.abs());
+    let along = size.dot(axis);
+    let is_noise = |component: R, size: R, axis: R| component.is_at_most((size + along * axis) * DOT_NOISE);
+    is_noise(across.x, size.x, axis.x)
+        & is_noise(across.y, size.y, axis.y)
+        & is_noise(across.z, size.z, axis.z)
 }
 
 /// The length of two vectors that are perpendicular and equally long within 64 roundings, the tolerance for similarities;

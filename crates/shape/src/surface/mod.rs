@@ -14,12 +14,12 @@
 
 mod affine_torus;
 mod along;
-mod cone;
-mod cylinder;
+pub(crate) mod cone;
+pub(crate) mod cylinder;
 mod mesh;
 pub mod object;
 mod plane;
-mod quadric;
+pub(crate) mod quadric;
 mod ranges;
 pub mod sag;
 mod second_degree;

@@ -120,28 +120,14 @@ impl Quadric {
     /// most 1), so that the root is off the surface by no more than a few u |x(t)|. A tangent of an elliptic cylinder has b = 0
     /// there, and b^2 - a c is not larger than the error of c alone.
     #[inline(always)]
-    pub(crate) fn time_of_least_terms<R: Real>(
-        &self,
-        (x, v): (Vector<R>, Vector<R>),
-        rise: R,
-        noise: R,
-    ) -> R {
-        let weighted = v.times_all(self.weights.abs());
-        let square = weighted.dot(v);
-        let s = -weighted.dot(x) / square;
-        let is_useful = noise.is_below(square) & rise.abs().is_at_most(s.abs() * square);
-        R::select(is_useful, s, s.splat(0.0))
+    pub(crate) fn time_of_least_terms<R: Real>(&self, at: (Vector<R>, Vector<R>), rise: R, noise: R) -> R {
+        time_of_least_terms(at.0.same(self.weights), at, rise, noise)
     }
 
     /// Coefficients from point and direction in principal axes, and the non-square part of f with its rate.
     #[inline(always)]
-    pub(crate) fn coefficients<R: Real>(
-        &self,
-        (x, v): (Vector<R>, Vector<R>),
-        (level, rise): (R, R),
-    ) -> [R; 3] {
-        let (wx, wv) = (x.times_all(self.weights), v.times_all(self.weights));
-        [wv.dot(v), wx.dot(v) + rise * 0.5, wx.dot(x) + level]
+    pub(crate) fn coefficients<R: Real>(&self, at: (Vector<R>, Vector<R>), other: (R, R)) -> [R; 3] {
+        coefficients(at.0.same(self.weights), at, other)
     }
 
     /// `[a, b]` of f along a ray that starts on the quadric, `a t^2 + 2 b t`.
@@ -240,6 +226,32 @@ impl Quadric {
 fn without_noise(eigen: &Eigen) -> Vec3 {
     let largest = eigen.values.abs().max_element();
     eigen.values.map(|v| if v.abs() <= NOISE * largest { 0.0 } else { v })
+}
+
+/// [`Quadric::time_of_least_terms`] with weights for each ray.
+#[inline(always)]
+pub(crate) fn time_of_least_terms<R: Real>(
+    weights: Vector<R>,
+    (x, v): (Vector<R>, Vector<R>),
+    rise: R,
+    noise: R,
+) -> R {
+    let weighted = v.times_each(weights.abs());
+    let square = weighted.dot(v);
+    let s = -weighted.dot(x) / square;
+    let is_useful = noise.is_below(square) & rise.abs().is_at_most(s.abs() * square);
+    R::select(is_useful, s, s.splat(0.0))
+}
+
+/// [`Quadric::coefficients`] with weights for each ray.
+#[inline(always)]
+pub(crate) fn coefficients<R: Real>(
+    weights: Vector<R>,
+    (x, v): (Vector<R>, Vector<R>),
+    (level, rise): (R, R),
+) -> [R; 3] {
+    let (wx, wv) = (x.times_each(weights), v.times_each(weights));
+    [wv.dot(v), wx.dot(v) + rise * 0.5, wx.dot(x) + level]
 }
 
 /// Replaces weight 0 by 1, so that the row keeps a direction.

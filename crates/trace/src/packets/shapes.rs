@@ -1,7 +1,7 @@
 //! All crossings of a ray with a large model: the leaves on its way are intersected eight at a time, one in each lane.
 //!
-//! Leaves of one form (spheres, boxes, cylinders along an axis) share a kernel; their parameters are in a table. Leaves without
-//! such a form, leaves that the ray may lie in and those that it starts on are intersected one by one. Where one gate joins all
+//! Leaves of one form (spheres, boxes, cylinders, tubes, frustums, ellipsoids) share a kernel; their parameters are in a table.
+//! Leaves without such a form, leaves that the ray may lie in and those that it starts on are intersected one by one. Where one gate joins all
 //! leaves (a union, or a plate minus holes), a count of its operands replaces the network; and where no two crossings are so close
 //! that they may have to be welded, neither the weld. All other rays are swept like those of the weave.
 
@@ -17,10 +17,12 @@ use rayweave_model::{
     PrototypeId, Query, Rays, RegionId, Rule, Start,
 };
 use rayweave_shape::Ray;
-use rayweave_shape::lanes::{FormRow, LANES, LaneLimits, LaneRay, Lanes, LeafForm, Mask, Uncertain, splat};
+use rayweave_shape::lanes::{
+    FormRow, Gap, LANES, LaneLimits, LaneRay, LaneSpan, Lanes, LeafForm, Mask, Uncertain, splat,
+};
 
 /// Largest number of forms with tables; leaves of others are intersected one by one.
-const FORMS: usize = 15;
+const FORMS: usize = 31;
 
 /// Largest number of events of a ray that are sorted by counting smaller ones.
 const COUNTED: usize = 64;
@@ -152,8 +154,8 @@ impl Shapes {
             return None;
         }
         let limits = limits(program, group, group.leaves.clone().map(LeafId));
-        let mut shapes =
-            Shapes { limits, forms: Vec::new(), places: Vec::new(), is_uniform: false, gate: None };
+        let (forms, places) = (Vec::new(), Vec::new());
+        let mut shapes = Shapes { limits, forms, places, is_uniform: false, gate: None };
         let (mut used, mut placed) = (0, 0);
         let (mut facets, mut rows) = (Vec::new(), Vec::new());
         for id in group.leaves.clone().map(LeafId) {
@@ -166,7 +168,7 @@ impl Shapes {
                     facets.clear();
                     rows.clear();
                     let gaps = leaf_facets(program, range, &mut facets);
-                    let form = gaps.filter(|&gaps| gaps == 0);
+                    let form = gaps.filter(|&gaps| gaps <= 1);
                     let form = form.and_then(|_| LeafForm::of(&facets, f64::from(place.face), &mut rows));
                     if let Some((number, row)) = form.and_then(|form| shapes.put(form, &rows)) {
                         (place.form, place.row) = (number, row);
@@ -318,8 +320,8 @@ impl Shapes {
         let ShapesScratch { lists, times, codes, count, inside, .. } = scratch;
         *count = 0;
         inside.clear();
-        // two for each leaf; those of eight leaves are written at once, and padded for sorting
-        let room = 2 * leaves.len() + 3 * LANES;
+        // two for each leaf, or four with a gap; those of eight leaves are written at once, and padded for sorting
+        let room = 4 * leaves.len() + 5 * LANES;
         if times.len() < room {
             times.resize(room, 0.0);
             codes.resize(room, 0);
@@ -364,24 +366,53 @@ impl Shapes {
     ) -> bool {
         let mut numbers = [leaves[0]; LANES];
         numbers[..leaves.len()].copy_from_slice(leaves);
+        let met = self.meet(simd, ray, table, &numbers);
+        let used = !0 >> (64 - leaves.len() as u32);
+        let mut unsure = met.uncertain & used;
+        let certain = used & !unsure;
+        while unsure != 0 {
+            others.push(numbers[unsure.trailing_zeros() as usize % LANES]);
+            unsure &= unsure - 1;
+        }
+        let mut is_exact = self.append(&met.span, (&numbers, certain), met.grazes, events);
+        if let Some(span) = &met.after {
+            is_exact &= self.append(span, (&numbers, certain), met.grazes, events);
+        }
+        is_exact
+    }
+
+    /// The spans of a ray in eight leaves of one form.
+    #[inline(always)]
+    fn meet<S: Simd>(&self, simd: S, ray: &LaneRay<S>, table: &Table, numbers: &[u32; LANES]) -> Met<S> {
         let mut rows = [&table.rows[..]; LANES];
-        let mut turned = [false; LANES];
         for lane in 0..LANES {
-            let place = &self.places[numbers[lane] as usize];
-            rows[lane] = &table.rows[place.row as usize..place.row as usize + table.form.rows()];
-            turned[lane] = place.is_complemented;
+            let row = self.places[numbers[lane] as usize].row as usize;
+            rows[lane] = &table.rows[row..row + table.form.rows()];
         }
         let never = Mask::splat(simd, false);
         let mut uncertain = Uncertain { always: never, grazes: never };
-        let span = table.form.spans(simd, ray, &rows, &mut uncertain);
-        let used = !0 >> (64 - leaves.len() as u32);
-        let unsure = uncertain.always.to_bitmask() & used;
-        let some = span.is_some().to_bitmask() & used & !unsure;
-        let mut left = unsure;
-        while left != 0 {
-            others.push(numbers[left.trailing_zeros() as usize % LANES]);
-            left &= left - 1;
-        }
+        let (span, gap) = table.form.spans(simd, ray, &rows, &mut uncertain);
+        let (span, after) = match gap {
+            None => (span, None),
+            Some((gap, face)) => {
+                let [before, after] = pieces(&span, &gap, splat(simd, face), &mut uncertain);
+                (before, Some(after))
+            }
+        };
+        Met { span, after, uncertain: uncertain.always.to_bitmask(), grazes: uncertain.grazes }
+    }
+
+    /// Appends the events of a span of each of eight leaves, as far as their bits are set in `certain`. Returns false if crossings
+    /// may have to be welded at any distance.
+    #[inline(always)]
+    fn append<S: Simd>(
+        &self,
+        span: &LaneSpan<S>,
+        (numbers, certain): (&[u32; LANES], u64),
+        grazes: Mask<S>,
+        events: &mut Events<'_>,
+    ) -> bool {
+        let some = span.is_some().to_bitmask() & certain;
         let (from, to) = (span.from.to_array(), span.to.to_array());
         let (from_face, to_face) = (span.from_face.to_array(), span.to_face.to_array());
         let at = *events.count;
@@ -390,7 +421,7 @@ impl Shapes {
             let leaf = numbers[lane];
             let slots = *events.count..*events.count + 2;
             events.times[slots.clone()].copy_from_slice(&[from[lane], to[lane]]);
-            let is_more = !turned[lane];
+            let is_more = !self.places[leaf as usize].is_complemented;
             events.codes[slots].copy_from_slice(&[
                 code(leaf, from_face[lane], is_more),
                 code(leaf, to_face[lane], !is_more),
@@ -401,7 +432,7 @@ impl Shapes {
         if infinite.to_bitmask() & some != 0 {
             events.keep_finite(at);
         }
-        uncertain.grazes.to_bitmask() & some == 0
+        grazes.to_bitmask() & some == 0
     }
 
     /// Counts the operands of the only gate along the ray. Returns true if the ray starts inside; `None` if events are at one
@@ -493,6 +524,38 @@ impl Shapes {
         let (leaf, facet) = leaf_and_facet(code);
         self.places[leaf as usize].face + facet
     }
+}
+
+/// The spans of a ray in eight leaves.
+struct Met<S: Simd> {
+    span: LaneSpan<S>,
+    /// The part after the gap, for leaves that can have one.
+    after: Option<LaneSpan<S>>,
+    /// Bit mask of the uncertain lanes.
+    uncertain: u64,
+    /// The lanes in which the ray grazes a surface.
+    grazes: Mask<S>,
+}
+
+/// The parts of spans before and after a gap; without a gap, the whole span and nothing. Where an end of the gap is an end of the
+/// span, the order of the facets decides about the face, and the lane is uncertain.
+#[inline(always)]
+fn pieces<S: Simd>(
+    span: &LaneSpan<S>,
+    gap: &Gap<S>,
+    face: Lanes<S>,
+    uncertain: &mut Uncertain<S>,
+) -> [LaneSpan<S>; 2] {
+    let cuts = gap.from.simd_lt(gap.to);
+    let meets = gap.from.simd_eq(span.from) | gap.from.simd_eq(span.to);
+    let meets = meets | gap.to.simd_eq(span.from) | gap.to.simd_eq(span.to);
+    uncertain.always |= cuts & meets & span.is_some();
+    let (mut before, mut after) = (*span, *span);
+    before.end_before(gap.from, face);
+    after.begin_after(gap.to, face);
+    // without a gap, the gap is from +inf to -inf
+    after.from = cuts.select(after.from, after.to);
+    [before, after]
 }
 
 /// An event: the leaf, the number of the face within it, and in bit 0 whether one more operand of the only gate is inside after it.
