@@ -4,7 +4,8 @@
 //! boundary event of the leaf changes a result. Boxes are grown by more than the largest error of any kernel.
 
 use crate::rings::RingTree;
-use rayweave_bvh::{Bvh, FrontToBack, Probe};
+use fearless_simd::Simd;
+use rayweave_bvh::{Bvh, ForwardSearch, FrontToBack, Probe};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::drive::thread_count;
 use rayweave_model::{GroupPoint, GroupRay, MARGIN, Program, Prototype, Window};
@@ -66,6 +67,18 @@ impl Accel {
             }
             None => self.tree.intersected_items(&self.probe(ray, magnitude, window), out),
         }
+    }
+
+    /// Starts an approximately front-to-back search of the leaves with finite boxes, in the frame of the model.
+    #[inline(always)]
+    pub fn begin_forward<S: Simd>(&self, simd: S, ray: &Ray, window: Window, search: &mut ForwardSearch) {
+        search.begin(simd, &self.tree, self.probe(ray, 0.0, window));
+    }
+
+    /// The next leaf of the search whose box the ray enters before a time.
+    #[inline(always)]
+    pub fn next_forward<S: Simd>(&self, simd: S, search: &mut ForwardSearch, until: f64) -> Option<u32> {
+        search.next(simd, &self.tree, until)
     }
 
     /// The leaves whose box is unbounded: candidates for every ray.

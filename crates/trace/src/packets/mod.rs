@@ -4,7 +4,8 @@
 //! span is a crossing if the boolean function of the *other* spans at that time makes it one: comparisons and
 //! masks, no sweep and no branch. The number of comparisons grows with the square of the number of leaves. For
 //! first hits, larger models are therefore decomposed if they are unions of solids, placed or not, each of
-//! which is small or carved (`carved`). All crossings with a union of placed solids are found ray by ray, with
+//! which is small or carved (`carved`); in unions of leaves, the hits of rays that are far apart are found with
+//! a ray and a leaf of its own in each lane (`shapes/first`). All crossings with a union of placed solids are found ray by ray, with
 //! eight copies of a solid in the lanes (`objects/copies`), and all crossings with other large models with eight leaves in the lanes
 //! (`shapes`). [`Weave`] traces all other models. It also traces each
 //! ray whose lane is uncertain: two events occur at the same time, two crossings are so close that they may have to be welded,
@@ -29,10 +30,11 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd};
 use group::{BundleEvaluation, Found, Memory, Row, WHOLE, load};
 use hit_block::HitBlock;
-use normal::Hits;
+use normal::{Hits, Slopes};
 use objects::{CopiesScratch, First, Objects, Walk};
 use plan::{APART, Common, LARGE, Plan, SMALL};
 use rayweave_bvh::BundleTraversal;
+use rayweave_math::Vec3;
 use rayweave_model::{
     BoxCells, Crossing, Evaluator, Face, FirstHits, HitArrayRows, Limit, Program, Query, RayAnswer, Rays,
     RegionId, Sink, StartLists, Window, attributes,
@@ -154,6 +156,11 @@ impl Packets {
             return None;
         }
         self.shapes.get_or_init(|| Shapes::new(self.weave.program()).map(Arc::new)).as_deref()
+    }
+
+    /// The tables for the first hits of rays that are far apart in a union of shapes; `None` for other models.
+    fn shapes_with_first_hits(&self) -> Option<&Shapes> {
+        self.shapes().filter(|shapes| shapes.finds_first_hits())
     }
 
     /// All crossings of rays with a large model of shapes.
@@ -604,19 +611,68 @@ impl Firsts<'_, '_> {
     fn among<S: Simd>(
         &mut self,
         simd: S,
-        objects: &Objects,
+        (objects, packets): (&Objects, &Packets),
         memory: &mut Memory,
         ahead: &mut [BundleTraversal; 2],
     ) {
         let mut group = BundleEvaluation::new(simd, memory);
         for at in (0..self.rays.len()).step_by(LANES) {
             let count = LANES.min(self.rays.len() - at);
+            if objects.are_apart(simd, self.rays, at)
+                && let Some(shapes) = packets.shapes_with_first_hits()
+            {
+                self.alone(simd, (shapes, Some(&objects.model.slopes)), at, count);
+                continue;
+            }
             let program = self.weave.program();
             let first = objects.first(&mut group, ahead, program, self.rays, at, self.query.window);
             self.put_first(simd, objects, &first, at, count);
             for lane in (0..count).filter(|lane| first.uncertain >> lane & 1 == 1) {
                 self.put_one(at + lane);
             }
+        }
+    }
+
+    /// First hits of rays in a union of leaves, each ray on its own. A separate function, since it has two callers.
+    fn alone<S: Simd>(&mut self, simd: S, tables: (&Shapes, Option<&Slopes>), at: usize, count: usize) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.alone_here(simd, tables, at, count),
+        );
+    }
+
+    #[inline(always)]
+    fn alone_here<S: Simd>(
+        &mut self,
+        simd: S,
+        (shapes, slopes): (&Shapes, Option<&Slopes>),
+        at: usize,
+        count: usize,
+    ) {
+        let (rays, window) = (self.rays, self.query.window);
+        let found = shapes.first_hits(simd, self.weave, rays, (at, count), window, &mut self.scratch.shapes);
+        let mut eight = Eight::nothing([0.0; LANES]);
+        eight.t = found.t;
+        let mut hits = 0;
+        for lane in (0..count).filter(|&lane| found.t.0[lane] < f64::INFINITY) {
+            eight.face.0[lane] = f64::from(shapes.face_number(found.codes[lane]));
+            eight.after.0[lane] = 1.0;
+            hits |= 1 << lane;
+        }
+        self.write(simd, &eight, at, count);
+        if self.hits.normal.is_some() {
+            let (normals, others) = match slopes {
+                Some(slopes) => self.hits(simd, &eight, at).normals(simd, slopes),
+                None => (Vec3Lanes::splat(simd, Vec3::NAN), hits),
+            };
+            self.write_normals(normals, at, count);
+            let program = self.weave.program();
+            self.write_attributes(others & hits & !found.uncertain, at, |lane| {
+                shapes.face(program, found.codes[lane])
+            });
+        }
+        for lane in (0..count).filter(|lane| found.uncertain >> lane & 1 == 1) {
+            self.put_one(at + lane);
         }
     }
 
@@ -792,7 +848,7 @@ impl Evaluator for Packets {
             let mut memory = scratch.memory.take().unwrap_or_default();
             let mut ahead = std::mem::take(&mut scratch.ahead);
             let mut firsts = Firsts { weave: &self.weave, rays, query, scratch, hits, regions, between };
-            dispatch_wide!(level, simd => firsts.among(simd, objects, &mut memory, &mut ahead));
+            dispatch_wide!(level, simd => firsts.among(simd, (objects, self), &mut memory, &mut ahead));
             (scratch.memory, scratch.ahead) = (Some(memory), ahead);
             return;
         }
@@ -805,6 +861,16 @@ impl Evaluator for Packets {
             return;
         }
         let (Some(level), Some(plan)) = (self.level, &self.plan) else {
+            if let (Some(level), None, Some(shapes)) =
+                (self.level, query.starts, self.shapes_with_first_hits())
+            {
+                let mut firsts = Firsts { weave: &self.weave, rays, query, scratch, hits, regions, between };
+                for at in (0..rays.len()).step_by(LANES) {
+                    let count = LANES.min(rays.len() - at);
+                    dispatch_wide!(level, simd => firsts.alone(simd, (shapes, None), at, count));
+                }
+                return;
+            }
             return self.weave.nearest_from(rays, &query, &mut scratch.weave, hits, between);
         };
         let mut memory = scratch.memory.take().unwrap_or_default();

@@ -517,7 +517,7 @@ pub(super) struct First {
 
 /// Distance behind a hit, in radii of the model, up to which solids are still searched. A separate check proves that no
 /// weld reaches farther.
-const BEHIND: f64 = 0.01;
+pub(super) const BEHIND: f64 = 0.01;
 
 /// State of a search.
 struct Search<S: Simd> {
@@ -797,6 +797,20 @@ impl Objects {
         hits.oriented(simd, units, others)
     }
 
+    /// True if the rays `at..at + 8` are so far apart that it takes less time to trace each of them alone, in a union of leaves.
+    #[inline(always)]
+    pub fn are_apart<S: Simd>(&self, simd: S, rays: Rays<'_>, at: usize) -> bool {
+        let (origin, direction) = (load(simd, rays.origins, at), load(simd, rays.directions, at));
+        let (ray, _) = LaneRay::new(simd, origin, direction, &self.model.limits);
+        let mut left: u64 = (1 << LANES.min(rays.len() - at)) - 1;
+        let mut bundles = 0;
+        while left != 0 && !self.is_few {
+            left &= !self.together(simd, &ray, left);
+            bundles += 1;
+        }
+        bundles > BUNDLES
+    }
+
     /// Bit mask of the first of the rays in `left` and those so close to it that they usually touch the same
     /// boxes.
     #[inline(always)]
@@ -815,6 +829,9 @@ impl Objects {
 /// Largest angle in radians, and largest distance in radii of the model, between rays that are traced
 /// together.
 const NEAR: f64 = 0.03;
+
+/// Number of bundles of eight rays above which each ray is traced alone.
+const BUNDLES: usize = 2;
 
 /// The lanes in a bit mask.
 fn lanes_of(mut mask: u64) -> impl Iterator<Item = usize> {

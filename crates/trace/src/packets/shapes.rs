@@ -5,12 +5,15 @@
 //! leaves (a union, or a plate minus holes), a count of its operands replaces the network; and where no two crossings are so close
 //! that they may have to be welded, neither the weld. All other rays are swept like those of the weave.
 
+mod first;
+
 use super::group::whole;
 use super::plan::{leaf_facets, limits};
 use crate::Weave;
 use crate::weave::{GroupQuery, WeaveScratch, from_zero};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
+use rayweave_bvh::ForwardSearch;
 use rayweave_model::weld::Trajectory;
 use rayweave_model::{
     Edge, Evaluator, Event, Expression, Face, Gate, GroupRay, LeafId, LeafKind, PlacementId, Program,
@@ -35,6 +38,8 @@ pub(super) struct Shapes {
     places: Vec<Place>,
     /// True if all leaves have the first form.
     is_uniform: bool,
+    /// True if all leaves that matter have a form.
+    has_all: bool,
     gate: Option<OneGate>,
 }
 
@@ -81,6 +86,7 @@ pub(super) struct ShapesScratch {
     /// The crossings, if they follow from the count of operands: times and events.
     pub changes: Vec<(f64, u64)>,
     sorted: Vec<(f64, u64)>,
+    searches: [ForwardSearch; LANES],
 }
 
 /// The events of a ray so far.
@@ -155,7 +161,7 @@ impl Shapes {
         }
         let limits = limits(program, group, group.leaves.clone().map(LeafId));
         let (forms, places) = (Vec::new(), Vec::new());
-        let mut shapes = Shapes { limits, forms, places, is_uniform: false, gate: None };
+        let mut shapes = Shapes { limits, forms, places, is_uniform: false, has_all: false, gate: None };
         let (mut used, mut placed) = (0, 0);
         let (mut facets, mut rows) = (Vec::new(), Vec::new());
         for id in group.leaves.clone().map(LeafId) {
@@ -178,6 +184,7 @@ impl Shapes {
             }
             shapes.places.push(place);
         }
+        shapes.has_all = placed == used;
         shapes.is_uniform = shapes.places.iter().all(|place| place.form == 0);
         shapes.gate = shapes.find_gate(program, &group.expression);
         (2 * placed > used).then_some(shapes)

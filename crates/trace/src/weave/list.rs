@@ -1,6 +1,7 @@
 //! Lists of crossings: the boundary events of all leaves that the ray can touch, sorted once.
 
 use super::{Level, Weave, WeaveScratch};
+use crate::accel::Accel;
 use rayweave_model::gate::NetworkState;
 use rayweave_model::weld::{LeafStates, Trajectory, Weld};
 use rayweave_model::{
@@ -78,6 +79,11 @@ impl Weave {
     /// Appends the leaves of the model's own group that the ray can touch in the window.
     pub(crate) fn candidates(&self, ray: Ray, window: Window, out: &mut Vec<u32>) {
         self.accel[0].intersected_leaves(&ray, 0.0, window, out);
+    }
+
+    /// The search structure for the leaves of the model's own group.
+    pub(crate) fn accel_of_leaves(&self) -> &Accel {
+        &self.accel[0]
     }
 
     /// Collects the boundary events of the leaves of a group that the ray can touch in the window, sorted by
