@@ -2,7 +2,7 @@
 
 use crate::error::GpuError;
 use crate::program::{GpuProgram, GpuReport};
-use rayweave_model::{Collected, FirstHits, Query, RayAnswer, Rays, RegionId, Window};
+use rayweave_model::{Collected, FirstHits, PixelRays, Query, RayAnswer, Rays, RegionId, Window};
 use rayweave_trace::RayDevice;
 use std::num::NonZeroUsize;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -93,6 +93,18 @@ impl RayDevice for GpuDevice {
             hits.put(program, &rays, &RayAnswer { ray, start, crossings: found.of(ray) });
         }
         true
+    }
+
+    fn nearest_through(
+        &self,
+        (pixels, rays): (&PixelRays<'_>, Rays<'_>),
+        window: Window,
+        hits: &mut FirstHits<'_>,
+    ) -> bool {
+        if window != Query::nearest().window {
+            return self.nearest(rays, window, hits);
+        }
+        self.ask(|gpu| gpu.nearest(*pixels, hits).map(|report| ((), report))).is_some()
     }
 
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>) -> Option<Collected> {

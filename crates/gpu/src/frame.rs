@@ -1,7 +1,8 @@
 //! Frames of the device: coordinates in which a group has a size of about 1, so that single precision resolves it.
 
 use rayweave_math::{Affine, UNIT_ROUNDOFF, Vec3};
-use rayweave_model::{Prototype, Rays};
+use rayweave_model::Prototype;
+use rayweave_shape::Ray;
 
 /// Half the width of the cube that the origins of rays on the device lie in, in units of the size of the model.
 pub(crate) const NEAR: f64 = 4.0;
@@ -104,14 +105,13 @@ pub(crate) struct Sender {
 }
 
 impl Sender {
-    /// Ray `i` of a batch, from the start of the window on.
+    /// A ray from the start of the window on.
     ///
     /// A ray from outside is moved to its point closest to the centre, in f64, so that the distance of its origin costs no
     /// digits. The bound of the error of its origin includes, besides the rounding to f32, the tolerance of the CPU's
     /// kernels: a root computed there lies within `64 u (|o| + |t| |d| + magnitude)` of the surface, for the times at which
     /// the ray is near the model, and the shift has an error of the same form. Four times that leaves room for both.
-    pub fn send(&self, rays: &Rays<'_>, i: usize) -> (Route, DeviceRay) {
-        let ray = rays.get(i);
+    pub fn send(&self, ray: &Ray) -> (Route, DeviceRay) {
         let Frame { centre, scale } = self.frame;
         // a power of two
         let per_scale = 1.0 / scale;
@@ -176,8 +176,6 @@ pub(crate) fn above(x: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rayweave_model::RayBatch;
-    use rayweave_shape::Ray;
 
     fn sender(bounded: bool) -> Sender {
         let frame = Frame { centre: Vec3::new(1.0, 2.0, 3.0), scale: 4.0 };
@@ -185,7 +183,7 @@ mod tests {
     }
 
     fn send(bounded: bool, origin: Vec3, direction: Vec3) -> (Route, DeviceRay) {
-        sender(bounded).send(&RayBatch::from_iter([Ray::new(origin, direction)]).rays(), 0)
+        sender(bounded).send(&Ray::new(origin, direction))
     }
 
     #[test]

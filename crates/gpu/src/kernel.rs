@@ -42,8 +42,7 @@ pub(crate) struct Kernel {
     id: u64,
     /// Rows of an answer.
     pub rows: usize,
-    /// True if the kernel takes rays in double precision and returns times in it.
-    pub completes: bool,
+    entry: Entry,
 }
 
 /// Buffers for batches of up to a number of rays.
@@ -63,6 +62,8 @@ pub(crate) struct Slot {
     kernel: u64,
     /// The number of rays in the parameters.
     count: Option<usize>,
+    /// Bytes of the rays.
+    ray_bytes: u64,
 }
 
 /// An answer of the device: see `answer` in the shader.
@@ -110,7 +111,7 @@ impl Kernel {
         let pipeline = device.pipeline("crossings", shader::source(layout, entry, doubles))?;
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let id = NEXT.fetch_add(1, Ordering::Relaxed);
-        Ok(Kernel { tables, pipeline, id, rows: entry.rows(), completes: entry == Entry::Completed })
+        Ok(Kernel { tables, pipeline, id, rows: entry.rows(), entry })
     }
 
     /// The device.
@@ -118,21 +119,33 @@ impl Kernel {
         &self.tables.device
     }
 
-    /// Bytes of a ray on its way to the device.
+    /// True if the kernel has rays in double precision and returns times in it.
+    pub fn completes(&self) -> bool {
+        self.entry.completes()
+    }
+
+    /// The most bytes of a ray on its way to the device.
     pub fn ray_bytes(&self) -> usize {
-        if self.completes { 48 } else { RAY_BYTES }
+        match self.entry {
+            Entry::Pixels => 4,
+            Entry::Completed => 48,
+            _ => RAY_BYTES,
+        }
     }
 
     /// Bytes of an answer.
     pub fn answer_bytes(&self) -> usize {
-        ANSWER_BYTES * self.rows + if self.completes { 8 } else { 0 }
+        ANSWER_BYTES * self.rows + if self.completes() { 8 } else { 0 }
     }
 
     /// Buffers for batches of up to `most` rays.
     pub fn slot(&self, most: usize) -> Result<Slot, GpuError> {
         use wgpu::BufferUsages as Usage;
         let device = self.device();
-        let (ray, rows) = ((self.ray_bytes() * most) as u64, (ANSWER_BYTES * self.rows * most) as u64);
+        let header = if self.entry == Entry::Pixels { 4 * shader::PIXELS } else { 0 };
+        // a range of rays may begin and end within a pixel
+        let ray = (header + self.ray_bytes() * (most + 2)) as u64;
+        let rows = (ANSWER_BYTES * self.rows * most) as u64;
         let up = device.mapped_buffer("rays", ray)?;
         let rays = device.buffer("rays", ray, Usage::STORAGE | Usage::COPY_DST)?;
         let answers = device.buffer("answers", rows, Usage::STORAGE | Usage::COPY_SRC)?;
@@ -142,18 +155,19 @@ impl Kernel {
         let Tables { data, tables, doubles, .. } = &self.tables;
         let mut buffers = vec![(0, data), (1, tables), (2, &rays), (3, &answers), (4, &params)];
         let mut times = None;
-        if let (true, Some((_, [exact, lookup]))) = (self.completes, doubles) {
+        if let (true, Some((_, [exact, lookup]))) = (self.completes(), doubles) {
             let column =
                 times.insert(device.buffer("times", 8 * most as u64, Usage::STORAGE | Usage::COPY_SRC)?);
             buffers.extend([(5, exact), (6, lookup), (7, &*column)]);
         }
         let group = device.group(&self.pipeline, &buffers)?;
-        Ok(Slot { up, rays, answers, times, back, params, group, most, kernel: self.id, count: None })
+        let (kernel, ray_bytes) = (self.id, 0);
+        Ok(Slot { up, rays, answers, times, back, params, group, most, kernel, count: None, ray_bytes })
     }
 
-    /// Writes rays to the buffer from which [`Kernel::submit`] uploads them.
-    pub fn fill(&self, slot: &mut Slot, rays: &[u8]) -> Result<(), GpuError> {
-        let count = rays.len() / self.ray_bytes();
+    /// Writes a number of rays to the buffer from which [`Kernel::submit`] uploads them.
+    pub fn fill(&self, slot: &mut Slot, count: usize, rays: &[u8]) -> Result<(), GpuError> {
+        slot.ray_bytes = rays.len() as u64;
         let mut view =
             slot.up.get_mapped_range_mut(..rays.len() as u64).map_err(|error| self.device().lost(&error))?;
         view.copy_from_slice(rays);
@@ -174,11 +188,10 @@ impl Kernel {
     /// Submits the upload of the rays of a filled slot, the kernel, `repeats` times, and the download of the answers.
     pub fn submit(&self, slot: &Slot, repeats: usize) -> wgpu::SubmissionIndex {
         let count = slot.count.unwrap_or(0);
-        let (ray_bytes, rows) =
-            ((self.ray_bytes() * count) as u64, (ANSWER_BYTES * self.rows * count) as u64);
+        let rows = (ANSWER_BYTES * self.rows * count) as u64;
         let mut encoder =
             self.device().device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_buffer_to_buffer(&slot.up, 0, &slot.rays, 0, ray_bytes);
+        encoder.copy_buffer_to_buffer(&slot.up, 0, &slot.rays, 0, slot.ray_bytes);
         for _ in 0..repeats {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&self.pipeline);
@@ -198,13 +211,12 @@ impl Kernel {
     pub fn trace(
         &self,
         slot: &mut Slot,
-        rays: &[u8],
+        (count, rays): (usize, &[u8]),
         answers: &mut Vec<Answer>,
         times: &mut Vec<f64>,
     ) -> Result<(), GpuError> {
-        self.fill(slot, rays)?;
+        self.fill(slot, count, rays)?;
         let submitted = self.submit(slot, 1);
-        let count = rays.len() / self.ray_bytes();
         let bytes = (self.answer_bytes() * count) as u64;
         let (send, done) = mpsc::channel();
         let filled = send.clone();
@@ -237,9 +249,14 @@ impl Kernel {
 }
 
 impl Slot {
-    /// True if the slot has buffers for a number of rays, bound to a kernel.
-    pub fn holds(&self, rays: usize, kernel: &Kernel) -> bool {
-        rays <= self.most && kernel.id == self.kernel
+    /// True if the buffers are bound to a kernel.
+    pub fn is_of(&self, kernel: &Kernel) -> bool {
+        kernel.id == self.kernel
+    }
+
+    /// True if the buffers hold a number of rays.
+    pub fn holds(&self, rays: usize) -> bool {
+        rays <= self.most
     }
 }
 

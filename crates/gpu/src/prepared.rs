@@ -10,6 +10,7 @@ pub(crate) type Prepared = Mutex<Option<(Entry, Arc<Kernel>)>>;
 /// Kernels that are compiled when they are first used.
 #[derive(Debug, Default)]
 pub(crate) struct Others {
+    pub pixels: Prepared,
     pub first: Prepared,
     pub all: Prepared,
     pub start: Prepared,

@@ -15,12 +15,13 @@ use crate::trial::rounds_like_the_cpu;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::weld::local_ray;
 use rayweave_model::{
-    BadRay, Crossing, Evaluator, Face, FirstHits, PlacementId, Program, PrototypeId, RayBatch, Rays,
-    RegionId, Window, attributes,
+    BadRay, Crossing, Evaluator, Face, FirstHits, PixelRays, PlacementId, Program, PrototypeId, RayBatch,
+    RaySource, Rays, RegionId, Window, attributes,
 };
 use rayweave_shape::Ray;
 use rayweave_trace::Packets;
 use std::num::NonZeroUsize;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -35,6 +36,9 @@ const FEWEST_RAYS: usize = 1 << 14;
 
 /// Threads per core: while one waits for the device, another prepares or completes a batch.
 const THREADS_PER_CORE: NonZeroUsize = NonZeroUsize::new(2).unwrap();
+
+/// Kernels whose buffers a worker keeps.
+const MOST_SLOTS: usize = 3;
 
 /// Interval, in rays, at which the CPU computes a time of the device again.
 const CHECKED: usize = 256;
@@ -120,7 +124,8 @@ struct Part<'a> {
 /// Memory of a thread that prepares and completes batches.
 #[derive(Debug, Default)]
 struct Worker {
-    slot: Option<Slot>,
+    /// Buffers for each kernel that the worker has used.
+    slots: Vec<Slot>,
     bytes: Vec<u8>,
     routes: Vec<Route>,
     answers: Vec<Answer>,
@@ -196,18 +201,32 @@ impl GpuProgram {
     }
 
     /// The first crossing after t = 0 of every ray, as [`Evaluator::nearest`] computes it with the window from 0 on. All
-    /// columns must be as long as the batch.
+    /// columns must be as long as the batch. Rays through pixels ([`PixelRays`](rayweave_model::PixelRays)) are computed on the device
+    /// if it has double precision and rounds like the CPU; the kernel for them is compiled when it is first used.
     ///
     /// # Errors
     ///
     /// [`GpuError::Ray`] for the first ray out of range, [`GpuError::Lost`] if the device fails. The columns are then
     /// incomplete.
-    pub fn nearest(&self, rays: Rays<'_>, hits: &mut FirstHits<'_>) -> Result<GpuReport, GpuError> {
+    pub fn nearest<'r>(
+        &self,
+        rays: impl Into<RaySource<'r>>,
+        hits: &mut FirstHits<'_>,
+    ) -> Result<GpuReport, GpuError> {
+        let rays = rays.into();
+        let mut for_pixels = None;
+        if let RaySource::Pixels(pixels) = &rays {
+            self.program.check_pixels(pixels)?;
+            if self.kernel.completes() {
+                for_pixels = Some(self.kernel_of(Entry::Pixels)?);
+            }
+        }
+        let kernel = for_pixels.as_deref().unwrap_or(&self.kernel);
         let mut report = GpuReport::default();
-        let parts = parts(hits, rays.len(), self.batch(rays.len(), &self.kernel));
-        for cost in
-            self.run(parts.into_iter(), |worker, mut part| self.nearest_part(&rays, &mut part, worker))
-        {
+        let parts = parts(hits, rays.len(), self.batch(rays.len(), kernel));
+        let work =
+            |worker: &mut Worker, mut part: Part<'_>| self.nearest_part(kernel, &rays, &mut part, worker);
+        for cost in self.run(parts.into_iter(), work) {
             report.add(cost?);
         }
         Ok(report)
@@ -234,9 +253,9 @@ impl GpuProgram {
         let fits = self.kernel.device().limit / self.kernel.ray_bytes() as u64;
         let count = rays.len().min(1 << 20).min(usize::try_from(fits).unwrap_or(usize::MAX));
         let (mut routes, mut bytes) = (Vec::new(), Vec::new());
-        convert(&self.kernel, &self.sender, &rays.slice(0..count), &mut routes, &mut bytes);
+        convert(&self.kernel, &self.sender, (&rays.into(), 0..count), &mut routes, &mut bytes);
         let mut slot = self.kernel.slot(count)?;
-        self.kernel.fill(&mut slot, &bytes)?;
+        self.kernel.fill(&mut slot, count, &bytes)?;
         let seconds = |repeats: usize| -> Result<f64, GpuError> {
             let mut best = f64::INFINITY;
             for _ in 0..4 {
@@ -281,30 +300,35 @@ impl GpuProgram {
 
     /// Prepares a batch, runs a kernel on it and waits for the answers.
     ///
-    /// `first` is the number of its first ray in the query.
+    /// `first` is the number of its first ray in the query. Rays through pixels have been checked.
     fn answers(
         &self,
         (kernel, sender): (&Kernel, &Sender),
-        rays: &Rays<'_>,
+        (rays, range): (&RaySource<'_>, Range<usize>),
         first: usize,
         worker: &mut Worker,
     ) -> Result<GpuReport, GpuError> {
         let clock = Instant::now();
-        self.program
-            .check_rays(*rays)
-            .map_err(|bad| BadRay { ray: first + bad.ray, problem: bad.problem })?;
-        convert(kernel, sender, rays, &mut worker.routes, &mut worker.bytes);
+        if let RaySource::Arrays(rays) = rays {
+            self.program
+                .check_rays(rays.slice(range.clone()))
+                .map_err(|bad| BadRay { ray: first + bad.ray, problem: bad.problem })?;
+        }
+        let count = range.len();
+        convert(kernel, sender, (rays, range), &mut worker.routes, &mut worker.bytes);
         let prepared = clock.elapsed();
-        let mut slot = match worker.slot.take() {
-            Some(slot) if slot.holds(rays.len(), kernel) => slot,
-            _ => kernel.slot(rays.len())?,
+        let known = worker.slots.iter().position(|slot| slot.is_of(kernel));
+        let mut slot = match known.map(|k| worker.slots.remove(k)) {
+            Some(slot) if slot.holds(count) => slot,
+            _ => kernel.slot(count)?,
         };
-        kernel.trace(&mut slot, &worker.bytes, &mut worker.answers, &mut worker.times)?;
-        worker.slot = Some(slot);
-        let count = rays.len() as u64;
+        // those used last
+        worker.slots.drain(..worker.slots.len().saturating_sub(MOST_SLOTS - 1));
+        kernel.trace(&mut slot, (count, &worker.bytes), &mut worker.answers, &mut worker.times)?;
+        worker.slots.push(slot);
         Ok(GpuReport {
-            rays: count,
-            bytes: count * (kernel.ray_bytes() + kernel.answer_bytes()) as u64,
+            rays: count as u64,
+            bytes: (worker.bytes.len() + count * kernel.answer_bytes()) as u64,
             prepare: prepared,
             device: clock.elapsed() - prepared,
             ..GpuReport::default()
@@ -317,12 +341,13 @@ impl GpuProgram {
     /// batch, and that ray counts as contradicted.
     fn nearest_part(
         &self,
-        rays: &Rays<'_>,
+        kernel: &Kernel,
+        rays: &RaySource<'_>,
         part: &mut Part<'_>,
         worker: &mut Worker,
     ) -> Result<GpuReport, GpuError> {
-        let rays = rays.slice(part.first..part.first + part.t.len());
-        let mut report = self.answers((&self.kernel, &self.sender), &rays, part.first, worker)?;
+        let range = part.first..part.first + part.t.len();
+        let mut report = self.answers((kernel, &self.sender), (rays, range), part.first, worker)?;
         let clock = Instant::now();
         worker.again.clear();
         let mut is_trusted = true;
@@ -332,13 +357,14 @@ impl GpuProgram {
                 worker.times.get(k).filter(|_| is_trusted && answer[0] < MISS && answer[0] & COMPLETED != 0);
             if let Some(&t) = time
                 && !k.is_multiple_of(CHECKED)
-                && self.put_completed(&rays, part, k, (answer, t)).is_some()
+                && self.put_completed(rays, part, k, (answer, t)).is_some()
             {
                 report.timed += 1;
                 k += 1;
                 continue;
             }
-            let outcome = self.outcome(&rays, k, (answer, worker.routes.get(k)), &mut report);
+            let ray = || rays.get(part.first + k);
+            let outcome = self.outcome(ray, (answer, worker.routes.get(k)), &mut report);
             let is_same = |t: f64| matches!(&outcome, Outcome::Crossing(c) if c.t.to_bits() == t.to_bits());
             if time.is_some_and(|&t| !is_same(t)) {
                 // starts again without the times of the device
@@ -349,13 +375,13 @@ impl GpuProgram {
                 continue;
             }
             match outcome {
-                Outcome::Crossing(crossing) => self.put(&rays.get(k), part, k, &crossing),
+                Outcome::Crossing(crossing) => self.put(&ray(), part, k, &crossing),
                 Outcome::Miss(region) => miss(part, k, region),
                 Outcome::Again => worker.again.push(k),
             }
             k += 1;
         }
-        self.trace(&rays, part, worker);
+        self.trace(rays, part, worker);
         report.complete = clock.elapsed();
         #[cfg(test)]
         (self.completed)(part.first);
@@ -365,8 +391,7 @@ impl GpuProgram {
     /// The answer to a ray, with the time of the CPU.
     fn outcome(
         &self,
-        rays: &Rays<'_>,
-        k: usize,
+        ray: impl Fn() -> Ray,
         (answer, route): (&Answer, Option<&Route>),
         report: &mut GpuReport,
     ) -> Outcome {
@@ -388,8 +413,9 @@ impl GpuProgram {
         let known = if answer[0] & MISS != 0 {
             self.layout.regions.get((answer[2] & 0xffff) as usize).map(|&region| Outcome::Miss(region))
         } else {
-            match route.copied().unwrap_or_else(|| self.sender.send(rays, k).0) {
-                Route::Device(clock) => self.polished(&rays.get(k), answer, clock).map(Outcome::Crossing),
+            let ray = ray();
+            match route.copied().unwrap_or_else(|| self.sender.send(&ray).0) {
+                Route::Device(clock) => self.polished(&ray, answer, clock).map(Outcome::Crossing),
                 Route::Passes | Route::Cpu => None,
             }
         };
@@ -402,7 +428,7 @@ impl GpuProgram {
     /// Writes an answer with the time of the device; `None`, without writing, if it names something that the model does not have.
     fn put_completed(
         &self,
-        rays: &Rays<'_>,
+        rays: &RaySource<'_>,
         part: &mut Part<'_>,
         k: usize,
         (answer, t): (&Answer, f64),
@@ -422,7 +448,7 @@ impl GpuProgram {
             let face = Face { placement: PlacementId(placement), ..self.layout.faces[facet] };
             let (before, after) = (RegionId(before), RegionId(after));
             let crossing = Crossing { t, face, left: face, entered: face, before, after };
-            let unit = attributes::normal(&self.program, &rays.get(k), &crossing).to_array();
+            let unit = attributes::normal(&self.program, &rays.get(part.first + k), &crossing).to_array();
             normal.iter_mut().zip(unit).for_each(|(column, x)| column[k] = x);
         }
         Some(())
@@ -473,13 +499,13 @@ impl GpuProgram {
     }
 
     /// Traces the rays of `again` on the CPU.
-    fn trace(&self, rays: &Rays<'_>, part: &mut Part<'_>, worker: &mut Worker) {
+    fn trace(&self, rays: &RaySource<'_>, part: &mut Part<'_>, worker: &mut Worker) {
         let Worker { scratch, again, batch, .. } = worker;
         if again.is_empty() {
             return;
         }
         batch.clear();
-        again.iter().for_each(|&k| batch.push(rays.get(k)));
+        again.iter().for_each(|&k| batch.push(rays.get(part.first + k)));
         let count = again.len();
         let (mut t, mut face, mut normal) = (vec![0.0; count], vec![0; count], vec![0.0; 3 * count]);
         let (mut placement, mut before, mut after) = (vec![0; count], vec![0; count], vec![0; count]);
@@ -556,27 +582,48 @@ fn is_bounded(program: &Program, frame: &Frame) -> bool {
             && bounds.corners().into_iter().all(|corner| frame.point(corner).length() <= 1.0 + 1e-9)
 }
 
-/// The rays as a kernel reads them: columns in double precision, or rays in the frame of the model.
-fn convert(kernel: &Kernel, sender: &Sender, rays: &Rays<'_>, routes: &mut Vec<Route>, bytes: &mut Vec<u8>) {
-    if !kernel.completes {
-        return prepare(sender, rays, routes, bytes);
-    }
+/// A range of rays as a kernel reads them: columns in double precision, pixels, or rays in the frame of the model.
+fn convert(
+    kernel: &Kernel,
+    sender: &Sender,
+    (rays, range): (&RaySource<'_>, Range<usize>),
+    routes: &mut Vec<Route>,
+    bytes: &mut Vec<u8>,
+) {
     routes.clear();
     bytes.clear();
-    for column in rays.origins.iter().chain(&rays.directions) {
-        bytes.extend(column.iter().flat_map(|x| x.to_le_bytes()));
+    match rays {
+        _ if !kernel.completes() => {
+            // in the frame of the model
+            for i in range {
+                let (route, ray) = sender.send(&rays.get(i));
+                bytes.extend_from_slice(&ray.bytes());
+                routes.push(route);
+            }
+        }
+        RaySource::Arrays(rays) => {
+            let rays = rays.slice(range);
+            for column in rays.origins.iter().chain(&rays.directions) {
+                bytes.extend(column.iter().flat_map(|x| x.to_le_bytes()));
+            }
+        }
+        RaySource::Pixels(rays) => put_pixels(rays, range, bytes),
     }
 }
 
-/// The rays in the frame of the model, and where they are traced.
-fn prepare(sender: &Sender, rays: &Rays<'_>, routes: &mut Vec<Route>, bytes: &mut Vec<u8>) {
-    routes.clear();
-    bytes.clear();
-    for i in 0..rays.len() {
-        let (route, ray) = sender.send(rays, i);
-        bytes.extend_from_slice(&ray.bytes());
-        routes.push(route);
+/// A camera and the pixels of a range of rays, as `pixels.wgsl` reads them.
+pub(crate) fn put_pixels(rays: &PixelRays<'_>, range: Range<usize>, bytes: &mut Vec<u8>) {
+    let PixelRays { camera, per_side, pixels } = *rays;
+    for vector in [camera.position, camera.forward, camera.right, camera.up] {
+        bytes.extend(vector.to_array().into_iter().flat_map(f64::to_le_bytes));
     }
+    bytes.extend(camera.half_height.to_le_bytes());
+    let left_out = (range.start % rays.per_pixel()) as u32;
+    let [w, h] = camera.size;
+    bytes.extend([w, h, u32::from(camera.is_perspective), per_side, left_out].map(u32::to_le_bytes).concat());
+    debug_assert_eq!(bytes.len(), 4 * shader::PIXELS);
+    let used = range.start / rays.per_pixel()..range.end.div_ceil(rays.per_pixel());
+    bytes.extend(pixels[used].iter().flat_map(|pixel| pixel.to_le_bytes()));
 }
 
 /// The number of threads that prepare and complete batches.

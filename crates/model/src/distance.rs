@@ -81,12 +81,17 @@ impl Program {
     /// # Errors
     /// [`BadRay`] for the first ray that cannot be traced.
     pub fn check_rays(&self, rays: Rays<'_>) -> Result<(), BadRay> {
-        let range = Range::of(self);
-        if rays.are_within(range.near()) {
+        if self.are_near(rays) {
             return Ok(());
         }
+        let range = Range::of(self);
         let check = |ray: &Ray| ray.check().and_then(|()| range.check(ray));
         (0..rays.len()).try_for_each(|ray| check(&rays.get(ray)).map_err(|problem| BadRay { ray, problem }))
+    }
+
+    /// True only if all rays pass the check since they start near the model; without a branch per ray.
+    pub(crate) fn are_near(&self, rays: Rays<'_>) -> bool {
+        rays.are_within(Range::of(self).near())
     }
 
     /// The check of [`Program::check_rays`] for one ray.

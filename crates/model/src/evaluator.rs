@@ -1,8 +1,8 @@
 //! The [`Evaluator`] trait, which computes the crossings of rays, with its queries and answers.
 
 use crate::{
-    BadPoint, BadRay, BoxCells, CrossingColumns, FirstHits, HitArrayRows, LeafId, Medium, PlacementId,
-    Program, RayBatch, Rays, RegionId, SurfaceId, columns::ColumnSink,
+    BadPoint, BadRay, BoxCells, CrossingColumns, FirstHits, HitArrayRows, LeafId, Medium, PixelRays,
+    PlacementId, Program, RayBatch, Rays, RegionId, SurfaceId, columns::ColumnSink,
 };
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::Vec3;
@@ -334,6 +334,18 @@ pub trait Evaluator: Sync {
     fn nearest(&self, rays: Rays<'_>, window: Window, scratch: &mut Self::Scratch, hits: &mut FirstHits<'_>) {
         let query = Query { window, limit: Limit::First, starts: None };
         self.nearest_from(rays, &query, scratch, hits, &mut Vec::new());
+    }
+
+    /// Finds the first crossing of every ray through some pixels, like [`Evaluator::nearest`]. `rays` has the same rays as arrays,
+    /// for evaluators that do not compute them.
+    fn nearest_through(
+        &self,
+        (_, rays): (&PixelRays<'_>, Rays<'_>),
+        window: Window,
+        scratch: &mut Self::Scratch,
+        hits: &mut FirstHits<'_>,
+    ) {
+        self.nearest(rays, window, scratch, hits);
     }
 
     /// Finds the first crossing of every ray of a batch, like [`Evaluator::nearest`], for rays that may start on

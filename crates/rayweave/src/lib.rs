@@ -222,10 +222,10 @@ pub mod model {
     pub use rayweave_model::{
         ApproximateColumns, ApproximateEvaluator, BadPoint, BadRay, Collected, CompileError, CompileProblem,
         Copies, Crossing, CrossingColumns, Evaluator, Face, FirstHitColumns, FirstHits, HitArrayRows, Leaf,
-        LeafFacet, LeafId, LeafKind, Limit, Medium, Node, Occurrence, OccurrencePath, PathStep, Place,
-        PlacementId, Program, Prototype, PrototypeId, Query, RayAnswer, RayBatch, Rays, Region, RegionId,
-        RegionInfo, Sink, Solid, Start, StartLists, SurfaceEntry, SurfaceId, Window, WindowError, attributes,
-        drive, expanded_size, memory, plain, simplify,
+        LeafFacet, LeafId, LeafKind, Limit, Medium, Node, Occurrence, OccurrencePath, PathStep, PixelCamera,
+        PixelRays, Place, PlacementId, Program, Prototype, PrototypeId, Query, RayAnswer, RayBatch,
+        RaySource, Rays, Region, RegionId, RegionInfo, Sink, Solid, Start, StartLists, SurfaceEntry,
+        SurfaceId, Window, WindowError, attributes, drive, expanded_size, memory, plain, simplify,
     };
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{CameraError, RenderError, Size};
 use rayweave_math::{Bounds, Vec3, any_perpendicular};
-use rayweave_model::Program;
+use rayweave_model::{PixelCamera, Program};
 use rayweave_shape::{Ray, RayError};
 
 /// A projection of space onto the picture.
@@ -170,13 +170,20 @@ impl Camera {
     /// The ray through the point (x, y), in pixels from the upper left corner.
     #[inline(always)] // into loops that are compiled for wider instructions
     pub fn ray(&self, size: Size, x: f64, y: f64) -> Ray {
-        let (w, h) = (size.width() as f64, size.height() as f64);
-        let u = (2.0 * x - w) / h * self.half_height;
-        let v = (h - 2.0 * y) / h * self.half_height;
-        let offset = u * self.right + v * self.up;
-        match self.projection {
-            Projection::Perspective { .. } => Ray::new(self.position, (self.forward + offset).normalize()),
-            Projection::Orthographic { .. } => Ray::new(self.position + offset, self.forward),
+        self.pixel_camera(size).ray(x, y)
+    }
+
+    /// The numbers that define the rays of a picture.
+    #[inline(always)]
+    pub fn pixel_camera(&self, size: Size) -> PixelCamera {
+        PixelCamera {
+            position: self.position,
+            forward: self.forward,
+            right: self.right,
+            up: self.up,
+            half_height: self.half_height,
+            is_perspective: matches!(self.projection, Projection::Perspective { .. }),
+            size: [size.width() as u32, size.height() as u32],
         }
     }
 

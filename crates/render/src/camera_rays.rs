@@ -2,7 +2,7 @@
 
 use crate::colour::{Premultiplied, over, premultiply};
 use crate::primary::PrimaryRays;
-use crate::sample::{Layer, Sample, seen, towards_eye};
+use crate::sample::{Layer, PicturePoints, Sample, seen, towards_eye};
 use crate::shade::{Shader, ShadingPoint};
 use crate::shadow::Shadows;
 use crate::{Camera, Size};
@@ -22,12 +22,12 @@ impl<'a, E: Evaluator> CameraRays<'a, E> {
         }
     }
 
-    /// Traces the rays through pixel positions and writes a colour per ray, and as many samples per ray as
+    /// Traces the rays through points and writes a colour per ray, and as many samples per ray as
     /// the shader has levels, unless `samples` is empty.
-    pub fn trace(&mut self, places: &[[f64; 2]], samples: &mut [Sample], colours: &mut [Premultiplied]) {
+    pub fn trace(&mut self, points: &PicturePoints, samples: &mut [Sample], colours: &mut [Premultiplied]) {
         match self {
-            CameraRays::Columns(primary) => primary.trace(places, samples, colours),
-            CameraRays::Layers(layers) => layers.trace(places, samples, colours),
+            CameraRays::Columns(primary) => primary.trace(points, samples, colours),
+            CameraRays::Layers(layers) => layers.trace(&points.places, samples, colours),
         }
     }
 }

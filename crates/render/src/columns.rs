@@ -1,7 +1,7 @@
 //! Rays and their first hits in columns (structure of arrays).
 
 use rayweave_math::Vec3;
-use rayweave_model::{Evaluator, FirstHitColumns, Rays, RegionId, Window};
+use rayweave_model::{Evaluator, FirstHitColumns, PixelRays, Query, Rays, RegionId, Window};
 use rayweave_shape::Ray;
 
 /// A batch of rays with their first hits. The buffers are reused from batch to batch.
@@ -67,13 +67,26 @@ impl Columns {
     ) {
         let count = self.len();
         self.hits.resize(count);
-        let rays = Rays {
-            origins: self.origins.each_ref().map(Vec::as_slice),
-            directions: self.directions.each_ref().map(Vec::as_slice),
-        };
+        let rays = Rays::from_columns(&self.origins, &self.directions);
         let mut hits = self.hits.hits();
         hits.normal = hits.normal.filter(|_| with_normals);
         evaluator.nearest(rays, window, scratch, &mut hits);
+    }
+
+    /// Like [`Columns::trace`] from t = 0 on, for the rays through `pixels`, which a device can compute.
+    pub fn trace_pixels<E: Evaluator>(
+        &mut self,
+        evaluator: &E,
+        pixels: &PixelRays<'_>,
+        with_normals: bool,
+        scratch: &mut E::Scratch,
+    ) {
+        debug_assert_eq!(self.len(), pixels.len());
+        self.hits.resize(self.len());
+        let rays = Rays::from_columns(&self.origins, &self.directions);
+        let mut hits = self.hits.hits();
+        hits.normal = hits.normal.filter(|_| with_normals);
+        evaluator.nearest_through((pixels, rays), Query::nearest().window, scratch, &mut hits);
     }
 }
 

@@ -1,5 +1,6 @@
 //! Screen-space extent of a model: the pixels in which it can be visible.
 
+use crate::sample::PicturePoints;
 use crate::{Camera, Size};
 use rayweave_math::Bounds;
 use std::num::NonZeroUsize;
@@ -57,11 +58,14 @@ impl Tile {
     /// a time, and a compact block touches fewer leaves than a row of as many pixels.
     const BLOCK: [usize; 2] = [4, 2];
 
-    /// The centres of its pixels.
-    pub fn centres(&self, places: &mut Vec<[f64; 2]>) {
-        places.clear();
+    /// The centres of its pixels, in a picture of a width.
+    pub fn centres(&self, width: usize, points: &mut PicturePoints) {
+        points.places.clear();
+        points.pixels.clear();
+        points.per_side = 1;
         for part in &self.parts {
-            places.extend(part.columns.clone().map(|x| centre(x, part.row)));
+            points.places.extend(part.columns.clone().map(|x| centre(x, part.row)));
+            points.pixels.extend(part.columns.clone().map(|x| (part.row * width + x) as u32));
         }
     }
 }

@@ -2,9 +2,10 @@
 
 use crate::columns::Columns;
 use crate::extent::{Extent, TileSize};
+use crate::sample::PicturePoints;
 use crate::{Camera, PixelGrid, RenderError, Run, Size, sweep};
 use fearless_simd::Level;
-use rayweave_model::{Evaluator, LeafKind, Program, Query};
+use rayweave_model::{Evaluator, LeafKind, Program};
 
 /// The kind of id that [`ids`] returns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -184,13 +185,14 @@ impl<E: Evaluator> Bands<'_, E> {
         let extent = Extent::new(self.camera, self.size, &self.evaluator.program().bounds());
         let (width, height, level) = (self.size.width(), self.size.height(), Level::new());
         let tiles = self.tiles();
-        let scratch = || (self.evaluator.scratch(), Columns::default(), Vec::new());
-        run.each(0.0..1.0, bands.enumerate(), scratch, |(scratch, rays, places), (number, mut band)| {
+        let scratch = || (self.evaluator.scratch(), Columns::default(), PicturePoints::default());
+        run.each(0.0..1.0, bands.enumerate(), scratch, |(scratch, rays, points), (number, mut band)| {
             let first = number * tiles.height;
             for tile in extent.tiles(tiles, first..(first + tiles.height).min(height)) {
-                tile.centres(places);
-                sweep::rays(level, self.camera, self.size, places, rays);
-                rays.trace(self.evaluator, Query::nearest().window, self.with_normals, scratch);
+                tile.centres(width, points);
+                sweep::rays(level, self.camera, self.size, &points.places, rays);
+                let pixels = points.rays(self.camera.pixel_camera(self.size));
+                rays.trace_pixels(self.evaluator, &pixels, self.with_normals, scratch);
                 let mut ray = 0;
                 for part in &tile.parts {
                     for x in part.columns.clone() {

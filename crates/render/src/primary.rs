@@ -3,12 +3,12 @@
 use crate::colour::{Linear, Premultiplied, premultiply};
 use crate::columns::{Columns, vector};
 use crate::occlusion::{self, Occlusion};
-use crate::sample::Sample;
+use crate::sample::{PicturePoints, Sample};
 use crate::shade::{AMBIENT, Shader, ShadingPoint};
 use crate::sweep::{self, Surfaces};
 use crate::{Camera, Size, Style};
 use fearless_simd::Level;
-use rayweave_model::{Evaluator, Query};
+use rayweave_model::Evaluator;
 
 /// The buffers of a thread that traces the primary rays of opaque scenes.
 pub(crate) struct PrimaryRays<'a, E: Evaluator> {
@@ -51,9 +51,10 @@ impl<'a, E: Evaluator> PrimaryRays<'a, E> {
     }
 
     /// See [`crate::camera_rays::CameraRays::trace`].
-    pub fn trace(&mut self, places: &[[f64; 2]], samples: &mut [Sample], colours: &mut [Premultiplied]) {
-        sweep::rays(self.level, self.camera, self.size, places, &mut self.sight);
-        self.sight.trace(self.evaluator, Query::nearest().window, true, &mut self.scratch);
+    pub fn trace(&mut self, points: &PicturePoints, samples: &mut [Sample], colours: &mut [Premultiplied]) {
+        sweep::rays(self.level, self.camera, self.size, &points.places, &mut self.sight);
+        let pixels = points.rays(self.camera.pixel_camera(self.size));
+        self.sight.trace_pixels(self.evaluator, &pixels, true, &mut self.scratch);
         sweep::surfaces(self.level, &mut self.sight, &mut self.points);
         self.lit.clear();
         self.lit.resize(self.sight.len(), u32::MAX);

@@ -7,7 +7,7 @@ use crate::extent::{Extent, Tile, TileSize, centre};
 use crate::first_pass::FirstPass;
 use crate::image::Image;
 use crate::pen::Pen;
-use crate::sample::Sample;
+use crate::sample::{PicturePoints, Sample};
 use crate::shade::Shader;
 use crate::supersampling::{Ink, Supersampler};
 use crate::{Background, Camera, PixelGrid, RenderError, RenderOptions, Rgba, Run, Size};
@@ -84,10 +84,10 @@ struct Drawing<'a, E> {
     rows: Range<usize>,
 }
 
-/// The buffers for one tile: positions, colours and samples.
+/// The buffers for one tile: points, colours and samples.
 #[derive(Default)]
 struct Glimpse {
-    places: Vec<[f64; 2]>,
+    points: PicturePoints,
     colours: Vec<Premultiplied>,
     samples: Vec<Sample>,
 }
@@ -159,11 +159,11 @@ impl<E: Evaluator> Drawing<'_, E> {
         samples: &mut [Vec<Sample>],
     ) {
         let levels = self.shader.levels();
-        tile.centres(&mut glimpse.places);
-        let count = glimpse.places.len();
+        tile.centres(self.size.width(), &mut glimpse.points);
+        let count = glimpse.points.places.len();
         glimpse.colours.resize(count, [0.0; 4]);
         glimpse.samples.resize(if self.is_refined() { count * levels } else { 0 }, Sample::MISS);
-        camera_rays.trace(&glimpse.places, &mut glimpse.samples, &mut glimpse.colours);
+        camera_rays.trace(&glimpse.points, &mut glimpse.samples, &mut glimpse.colours);
         let mut at = 0;
         for part in &tile.parts {
             let row = part.row % self.tiles.height;
@@ -247,11 +247,10 @@ impl<E: Evaluator> Drawing<'_, E> {
         let rays = (self.settings.samples * self.settings.samples) as usize;
         let piece = self.evaluator.preferred_batch().map_or(PIECE, |batch| (batch.get() / rays).max(PIECE));
         let (grid, pieces) = supersampler.pieces(piece);
-        let scratch = || (self.camera_rays(), Vec::new());
-        run.each(DONE[1]..DONE[2], pieces, scratch, |(camera_rays, at), (places, samples, colours)| {
-            at.clear();
-            at.extend(places.iter().flat_map(|&place| grid.places(place)));
-            camera_rays.trace(at, samples, colours);
+        let scratch = || (self.camera_rays(), PicturePoints::default());
+        run.each(DONE[1]..DONE[2], pieces, scratch, |(camera_rays, points), (places, samples, colours)| {
+            grid.points(places, points);
+            camera_rays.trace(points, samples, colours);
         })?;
         Ok(supersampler)
     }

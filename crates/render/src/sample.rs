@@ -1,8 +1,26 @@
 //! Visible surfaces, and the samples kept of them.
 
 use rayweave_math::Vec3;
-use rayweave_model::{Crossing, Face, RegionId};
+use rayweave_model::{Crossing, Face, PixelCamera, PixelRays, RegionId};
 use rayweave_shape::Ray;
+
+/// Points of a picture: some pixels with a regular grid of points in each.
+#[derive(Default)]
+pub(crate) struct PicturePoints {
+    /// The points in pixel coordinates, pixel by pixel.
+    pub places: Vec<[f64; 2]>,
+    /// The numbers of the pixels.
+    pub pixels: Vec<u32>,
+    /// The number of points per side of a pixel.
+    pub per_side: u32,
+}
+
+impl PicturePoints {
+    /// The rays through the points, for devices that compute them.
+    pub fn rays(&self, camera: PixelCamera) -> PixelRays<'_> {
+        PixelRays { camera, per_side: self.per_side, pixels: &self.pixels }
+    }
+}
 
 /// A surface along a camera ray.
 #[derive(Clone, Copy, Debug)]

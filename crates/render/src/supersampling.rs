@@ -6,7 +6,7 @@ use crate::contrast::{Contrast, EdgeKind};
 use crate::extent::centre;
 use crate::first_pass::FirstPass;
 use crate::pen::Pen;
-use crate::sample::Sample;
+use crate::sample::{PicturePoints, Sample};
 use crate::shade::Shader;
 
 /// Samples of the supersampled pixels, with those of the first pass for the others.
@@ -31,9 +31,14 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// The positions of the samples of a pixel.
-    pub fn places(self, pixel: usize) -> impl Iterator<Item = [f64; 2]> {
-        (0..self.n * self.n).map(move |k| self.place(pixel, k))
+    /// The positions of the samples of some pixels.
+    pub fn points(self, pixels: &[usize], points: &mut PicturePoints) {
+        points.per_side = self.n as u32;
+        points.pixels.clear();
+        points.pixels.extend(pixels.iter().map(|&pixel| pixel as u32));
+        points.places.clear();
+        let samples = |&pixel: &usize| (0..self.n * self.n).map(move |k| self.place(pixel, k));
+        points.places.extend(pixels.iter().flat_map(samples));
     }
 
     fn place(self, pixel: usize, k: usize) -> [f64; 2] {

@@ -2,7 +2,8 @@
 
 use crate::packets::{Packets, PacketsScratch};
 use rayweave_model::{
-    Collected, Evaluator, FirstHits, Program, Query, RayAnswer, Rays, RegionId, Sink, StartLists, Window,
+    Collected, Evaluator, FirstHits, PixelRays, Program, Query, RayAnswer, Rays, RegionId, Sink, StartLists,
+    Window,
 };
 use std::fmt::Debug;
 use std::num::NonZeroUsize;
@@ -18,6 +19,17 @@ pub trait RayDevice: Debug + Send + Sync {
     /// Fills the columns with the first crossing of each ray in the window, like [`Evaluator::nearest`]. Returns false if it
     /// cannot; the columns are then arbitrary.
     fn nearest(&self, rays: Rays<'_>, window: Window, hits: &mut FirstHits<'_>) -> bool;
+
+    /// Fills the columns like [`RayDevice::nearest`] for rays through pixels, which the device can compute from their description.
+    /// `rays` has the same rays as arrays.
+    fn nearest_through(
+        &self,
+        (_, rays): (&PixelRays<'_>, Rays<'_>),
+        window: Window,
+        hits: &mut FirstHits<'_>,
+    ) -> bool {
+        self.nearest(rays, window, hits)
+    }
 
     /// Computes the crossings of each ray, like [`Evaluator::crossings`]; `None` if it cannot.
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>) -> Option<Collected>;
@@ -87,6 +99,18 @@ impl Evaluator for Accelerated {
         hits: &mut FirstHits<'_>,
     ) {
         if !self.device.nearest(rays, window, hits) {
+            self.cpu.nearest(rays, window, scratch, hits);
+        }
+    }
+
+    fn nearest_through(
+        &self,
+        (pixels, rays): (&PixelRays<'_>, Rays<'_>),
+        window: Window,
+        scratch: &mut PacketsScratch,
+        hits: &mut FirstHits<'_>,
+    ) {
+        if !self.device.nearest_through((pixels, rays), window, hits) {
             self.cpu.nearest(rays, window, scratch, hits);
         }
     }

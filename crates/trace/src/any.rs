@@ -4,7 +4,8 @@ use crate::accelerated::{Accelerated, RayDevice};
 use crate::single_hit::TooLarge;
 use rayweave_error::{Classified, ErrorKind, Message};
 use rayweave_model::{
-    BoxCells, Crossing, Evaluator, FirstHits, HitArrayRows, Program, Query, Rays, RegionId, Sink, Window,
+    BoxCells, Crossing, Evaluator, FirstHits, HitArrayRows, PixelRays, Program, Query, Rays, RegionId, Sink,
+    Window,
 };
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -195,6 +196,16 @@ impl Evaluator for AnyEvaluator {
 
     fn nearest(&self, rays: Rays<'_>, window: Window, scratch: &mut AnyScratch, hits: &mut FirstHits<'_>) {
         each_with!(self, scratch, evaluator => evaluator.nearest(rays, window, scratch, hits))
+    }
+
+    fn nearest_through(
+        &self,
+        (pixels, rays): (&PixelRays<'_>, Rays<'_>),
+        window: Window,
+        scratch: &mut AnyScratch,
+        hits: &mut FirstHits<'_>,
+    ) {
+        each_with!(self, scratch, evaluator => evaluator.nearest_through((pixels, rays), window, scratch, hits))
     }
 
     fn nearest_from(

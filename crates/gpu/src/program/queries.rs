@@ -101,7 +101,8 @@ impl GpuProgram {
     ) -> Result<GpuReport, GpuError> {
         let at = |i: usize| Vec3::new(points[0][i], points[1][i], points[2][i]);
         let rays: RayBatch = (0..out.len()).map(|i| Ray::new(at(i), DIRECTION)).collect();
-        let mut report = self.answers((kernel, &self.sender), &rays.rays(), first, worker)?;
+        let mut report =
+            self.answers((kernel, &self.sender), (&rays.rays().into(), 0..rays.len()), first, worker)?;
         worker.again.clear();
         for (i, (route, answer)) in worker.routes.iter().zip(&worker.answers).enumerate() {
             let known = match *route {
@@ -135,9 +136,10 @@ impl GpuProgram {
     }
 
     /// The kernel with an entry point, compiled unless it was the last of its kind.
-    fn kernel_of(&self, entry: Entry) -> Result<Arc<Kernel>, GpuError> {
+    pub(super) fn kernel_of(&self, entry: Entry) -> Result<Arc<Kernel>, GpuError> {
         let place = match entry {
             Entry::First | Entry::Nearest | Entry::Completed => &self.others.first,
+            Entry::Pixels => &self.others.pixels,
             Entry::All(_) => &self.others.all,
             Entry::Start => &self.others.start,
         };
@@ -161,7 +163,7 @@ impl GpuProgram {
     ) -> Result<(Collected, GpuReport), GpuError> {
         let first = range.start;
         let rays = rays.slice(range);
-        let mut report = self.answers(device, &rays, first, worker)?;
+        let mut report = self.answers(device, (&rays.into(), 0..rays.len()), first, worker)?;
         let Worker { routes, answers, scratch, .. } = worker;
         let scratch = scratch.get_or_insert_with(|| self.cpu.scratch());
         let (mut found, mut crossings) = (Collected::default(), Vec::new());

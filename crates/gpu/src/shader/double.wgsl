@@ -4,8 +4,6 @@
 // reassociate sums and contract products. `keep` hides each result from the compiler: it changes the bits by a mask that is 0 at
 // run time. `trial.wgsl` compares results with the CPU's; if any bit differs, the CPU computes all times.
 
-// six columns, each with params.rays numbers
-@group(0) @binding(2) var<storage, read> rays: array<f64>;
 // the frame, surfaces and maps
 @group(0) @binding(5) var<storage, read> exact: array<f64, @EXACT_ROWS@>;
 // a row per facet: (kind, surface, maps, number of maps), then a row per item: (maps, number of maps)
@@ -16,13 +14,7 @@
 
 @VECTORS@
 
-fn line_of(i: u32) -> Line {
-    let n = params.rays;
-    return Line(
-        vec3<f64>(rays[i], rays[n + i], rays[2u * n + i]),
-        vec3<f64>(rays[3u * n + i], rays[4u * n + i], rays[5u * n + i]),
-    );
-}
+@LINES@
 
 // A ray in the frame of the model, as `Sender::send`; device times t are times `shift + t * rate`.
 struct Sent {

@@ -16,6 +16,9 @@ pub(crate) const VECTORS: &str = include_str!("vectors.wgsl");
 pub(crate) const DOT_NOISE: f64 = 8.0 * UNIT_ROUNDOFF;
 pub(crate) const SLOW_SQUARE: f64 = 1e-4;
 
+/// Words before the numbers of the pixels, for rays through pixels.
+pub(crate) const PIXELS: usize = 31;
+
 /// Threads of a workgroup.
 pub(crate) const WORKGROUP: u32 = 64;
 
@@ -26,6 +29,8 @@ pub(crate) enum Entry {
     Nearest,
     /// The first crossing after t = 0, in one row, of rays in double precision, with its time in double precision.
     Completed,
+    /// Like [`Entry::Completed`], of rays through pixels, which the device computes.
+    Pixels,
     /// The region at the start of the window and the first crossing.
     First,
     /// The region at the start of the window and up to a number of crossings.
@@ -38,10 +43,15 @@ impl Entry {
     /// Rows of an answer.
     pub fn rows(self) -> usize {
         match self {
-            Entry::Nearest | Entry::Completed | Entry::Start => 1,
+            Entry::Nearest | Entry::Completed | Entry::Pixels | Entry::Start => 1,
             Entry::First => 2,
             Entry::All(most) => 1 + most,
         }
+    }
+
+    /// True if the kernel has rays in double precision and returns times in it.
+    pub fn completes(self) -> bool {
+        matches!(self, Entry::Completed | Entry::Pixels)
     }
 }
 
@@ -51,12 +61,14 @@ pub(crate) fn source(layout: &Layout, entry: Entry, doubles: Option<&Doubles>) -
     let find = if layout.stack > 0 { include_str!("large.wgsl") } else { include_str!("small.wgsl") };
     let answer = match entry {
         Entry::Nearest => include_str!("nearest.wgsl"),
-        Entry::Completed => include_str!("double.wgsl"),
+        Entry::Completed | Entry::Pixels => include_str!("double.wgsl"),
         Entry::First => include_str!("first.wgsl"),
         Entry::All(_) => include_str!("all.wgsl"),
         Entry::Start => include_str!("start.wgsl"),
     };
-    let rays = if entry == Entry::Completed { "" } else { include_str!("rays.wgsl") };
+    let rays = if entry.completes() { "" } else { include_str!("rays.wgsl") };
+    let lines =
+        if entry == Entry::Pixels { include_str!("pixels.wgsl") } else { include_str!("columns.wgsl") };
     let parts = [
         include_str!("surfaces.wgsl"),
         if layout.kinds[Kind::FirstChord as usize] { include_str!("torus.wgsl") } else { "" },
@@ -93,6 +105,8 @@ pub(crate) fn source(layout: &Layout, entry: Entry, doubles: Option<&Doubles>) -
         ("@STACK@", format!("{}", layout.stack.max(1))),
         ("@MOST@", format!("{}u", entry.rows() - 1)),
         ("@ONLY_START@", (entry == Entry::Start).to_string()),
+        ("@LINES@", lines.to_owned()),
+        ("@PIXELS@", PIXELS.to_string()),
         ("@ARITHMETIC@", ARITHMETIC.to_owned()),
         ("@VECTORS@", VECTORS.to_owned()),
         ("@EXACT_ROWS@", rows(doubles.map(|doubles| doubles.exact.len()))),
