@@ -48,7 +48,9 @@ shared! {
     /// There are more crossings than rows; the row has the time of the CPU; the bits of the facet.
     MORE = 1 << 28;
     COMPLETED = 1 << 27;
-    FACET_BITS = COMPLETED - 1;
+    /// The row of times has events among which the CPU decides: see `Tied`.
+    TIED = 1 << 26;
+    FACET_BITS = TIED - 1;
 
     /// The second word of an answer without a crossing from a kernel that takes rays in double precision.
     PASSES = 1;

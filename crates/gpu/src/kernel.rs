@@ -206,14 +206,15 @@ impl Kernel {
         self.device().queue.submit([encoder.finish()])
     }
 
-    /// Uploads rays, traces them and returns the rows of their answers, and the times if the kernel completes answers. After an
+    /// Uploads rays, traces them and returns the rows of their answers and, if the kernel completes answers, the bits of the times or
+    /// tied events. After an
     /// error the slot must not be used again.
     pub fn trace(
         &self,
         slot: &mut Slot,
         (count, rays): (usize, &[u8]),
         answers: &mut Vec<Answer>,
-        times: &mut Vec<f64>,
+        times: &mut Vec<u64>,
     ) -> Result<(), GpuError> {
         self.fill(slot, count, rays)?;
         let submitted = self.submit(slot, 1);
@@ -240,7 +241,7 @@ impl Kernel {
         );
         times.clear();
         times.extend(
-            columns.chunks_exact(8).map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap_or_default())),
+            columns.chunks_exact(8).map(|bytes| u64::from_le_bytes(bytes.try_into().unwrap_or_default())),
         );
         drop(view);
         slot.back.unmap();

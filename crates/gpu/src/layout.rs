@@ -47,6 +47,8 @@ pub(crate) struct Layout {
     pub starts: Starts,
     /// The CPU's face of each facet; its placement is relative to that of the item.
     pub faces: Vec<Face>,
+    /// The placed solid of the group that has each facet, counted from 1; 0 if the group itself has it.
+    pub instances: Vec<u32>,
     /// The placement of each item.
     pub placements: Vec<u32>,
     /// The region of each number that the device returns.
@@ -251,6 +253,7 @@ impl Builder {
             let key = atom.frame.map_or(surface.0, |at| *keys.entry((at, surface.0)).or_insert(own));
             let key = if facet.second { key | SECOND } else { key };
             self.facets.push([row, (kind as u32) << 1 | u32::from(facet.facet.inside()), key, 0]);
+            self.layout.instances.push(atom.instance);
             self.layout.faces.push(Face {
                 leaf: LeafId(facet.leaf.0),
                 facet: facet.number,
@@ -279,6 +282,8 @@ impl Builder {
         self.facets.push([row_number, (Kind::Ball as u32) << 1 | 1, NONE, 0]);
         let Some(&last) = self.layout.faces.last() else { return };
         self.layout.faces.push(last);
+        let instance = self.layout.instances.last().copied().unwrap_or(0);
+        self.layout.instances.push(instance);
     }
 
     /// The row of a ball around an atom, in the frame of its group; `NONE` if the kernels of its facets are as fast as its test,

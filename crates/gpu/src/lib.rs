@@ -24,6 +24,7 @@ mod prepared;
 mod program;
 mod shader;
 mod terms;
+mod tied;
 mod trial;
 mod twin;
 

@@ -1,7 +1,7 @@
 //! A program on a GPU: nearest crossings with the answers of the CPU.
 
 use crate::adapter::Adapter;
-use crate::codes::{COMPLETED, DISTANT, FACET_BITS, MISS, PASSES, UNCERTAIN};
+use crate::codes::{COMPLETED, DISTANT, FACET_BITS, MISS, PASSES, SHARED, TIED, UNCERTAIN};
 use crate::double::Doubles;
 use crate::error::{GpuError, Unsupported};
 use crate::flat::{Flat, MOST_NODES, Tori};
@@ -11,6 +11,7 @@ use crate::layout::{Layout, magnitude_of};
 use crate::prepared::Others;
 use crate::shader::{self, Entry};
 use crate::terms::Top;
+use crate::tied::{MOST_TIED, Tied, TiedEvent};
 use crate::trial::rounds_like_the_cpu;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::weld::local_ray;
@@ -129,7 +130,8 @@ struct Worker {
     bytes: Vec<u8>,
     routes: Vec<Route>,
     answers: Vec<Answer>,
-    times: Vec<f64>,
+    /// Bits of times, or tied events.
+    times: Vec<u64>,
     scratch: Option<<Packets as Evaluator>::Scratch>,
     again: Vec<usize>,
     batch: RayBatch,
@@ -353,9 +355,10 @@ impl GpuProgram {
         let mut is_trusted = true;
         let mut k = 0;
         while let Some(answer) = worker.answers.get(k) {
-            let time =
-                worker.times.get(k).filter(|_| is_trusted && answer[0] < MISS && answer[0] & COMPLETED != 0);
-            if let Some(&t) = time
+            let extra = worker.times.get(k).copied();
+            let is_completed = is_trusted && answer[0] < MISS && answer[0] & COMPLETED != 0;
+            let time = extra.filter(|_| is_completed).map(f64::from_bits);
+            if let Some(t) = time
                 && !k.is_multiple_of(CHECKED)
                 && self.put_completed(rays, part, k, (answer, t)).is_some()
             {
@@ -364,9 +367,9 @@ impl GpuProgram {
                 continue;
             }
             let ray = || rays.get(part.first + k);
-            let outcome = self.outcome(ray, (answer, worker.routes.get(k)), &mut report);
+            let outcome = self.outcome(ray, (answer, worker.routes.get(k), extra), &mut report);
             let is_same = |t: f64| matches!(&outcome, Outcome::Crossing(c) if c.t.to_bits() == t.to_bits());
-            if time.is_some_and(|&t| !is_same(t)) {
+            if time.is_some_and(|t| !is_same(t)) {
                 // starts again without the times of the device
                 is_trusted = false;
                 (report.uncertain, report.distant, report.timed, report.contradicted) = (0, 0, 0, 1);
@@ -392,7 +395,7 @@ impl GpuProgram {
     fn outcome(
         &self,
         ray: impl Fn() -> Ray,
-        (answer, route): (&Answer, Option<&Route>),
+        (answer, route, extra): (&Answer, Option<&Route>, Option<u64>),
         report: &mut GpuReport,
     ) -> Outcome {
         // kernels that take rays in double precision write the route into the answer
@@ -414,13 +417,18 @@ impl GpuProgram {
             self.layout.regions.get((answer[2] & 0xffff) as usize).map(|&region| Outcome::Miss(region))
         } else {
             let ray = ray();
-            match route.copied().unwrap_or_else(|| self.sender.send(&ray).0) {
-                Route::Device(clock) => self.polished(&ray, answer, clock).map(Outcome::Crossing),
-                Route::Passes | Route::Cpu => None,
+            match (route.copied().unwrap_or_else(|| self.sender.send(&ray).0), extra) {
+                (Route::Device(clock), Some(bits)) if answer[0] & TIED != 0 => {
+                    self.first_of(Tied::new(bits), &ray, answer, clock).map(Outcome::Crossing)
+                }
+                (Route::Device(clock), _) => self.polished(&ray, answer, clock).map(Outcome::Crossing),
+                (Route::Passes | Route::Cpu, _) => None,
             }
         };
         known.unwrap_or_else(|| {
-            report.contradicted += 1;
+            // among several events, the root nearest to the middle of their intervals may be that of another
+            let is_shared = answer[0] & (MISS | SHARED) == SHARED;
+            *(if is_shared { &mut report.uncertain } else { &mut report.contradicted }) += 1;
             Outcome::Again
         })
     }
@@ -456,16 +464,32 @@ impl GpuProgram {
 
     /// The crossing that an answer predicts, with the time of the CPU's kernel; `None` if that has no such root.
     fn polished(&self, ray: &Ray, answer: &Answer, clock: Clock) -> Option<Crossing> {
-        let face = *self.layout.faces.get((answer[0] & FACET_BITS) as usize)?;
+        let face = self.face_of((answer[0] & FACET_BITS) as usize, answer)?;
+        let t = self.time_of(face, ray, answer, clock)?;
+        self.crossing_at(t, face, answer)
+    }
+
+    /// The face of a facet of the item that an answer names.
+    fn face_of(&self, facet: usize, answer: &Answer) -> Option<Face> {
+        let face = *self.layout.faces.get(facet)?;
         let placement = PlacementId(face.placement.0 + self.layout.placements.get(answer[1] as usize)?);
-        let face = Face { placement, ..face };
+        Some(Face { placement, ..face })
+    }
+
+    /// A crossing of a face, between the regions that an answer names.
+    fn crossing_at(&self, t: f64, face: Face, answer: &Answer) -> Option<Crossing> {
         let region = |number: u32| self.layout.regions.get(number as usize).copied().map(RegionId);
         let (before, after) = (region(answer[2] >> 16)?, region(answer[2] & 0xffff)?);
+        Some(Crossing { t, face, left: face, entered: face, before, after })
+    }
+
+    /// The time of the CPU's kernel near the predicted one; `None` if there is no such root.
+    fn time_of(&self, face: Face, ray: &Ray, answer: &Answer, clock: Clock) -> Option<f64> {
         let surface = &self.program.surface(face.surface).surface;
-        let crossings = if placement.0 == 0 {
+        let crossings = if face.placement.0 == 0 {
             surface.crossings(ray)
         } else {
-            surface.crossings(&local_ray(&self.program, ray, placement).0)
+            surface.crossings(&local_ray(&self.program, ray, face.placement).0)
         };
         let on_device = f64::from(f32::from_bits(answer[3]));
         let predicted = clock.shift + on_device * clock.rate;
@@ -476,14 +500,30 @@ impl GpuProgram {
         let is_clear = |&t: &f64| t == nearest || distance(t) > 2.0 * distance(nearest);
         // a ray that is nearly parallel to a plane far away has an interval of up to twice its time
         let is_near = nearest > clock.from && distance(nearest) < (1.0 + on_device.abs()) * clock.rate;
-        (is_near && times.iter().all(is_clear)).then_some(Crossing {
-            t: nearest,
-            face,
-            left: face,
-            entered: face,
-            before,
-            after,
-        })
+        (is_near && times.iter().all(is_clear)).then_some(nearest)
+    }
+
+    /// The crossing among tied events, with the times of the CPU; `None` if it is not clear.
+    fn first_of(&self, tied: Tied, ray: &Ray, answer: &Answer, clock: Clock) -> Option<Crossing> {
+        let mut events = [TiedEvent::default(); MOST_TIED];
+        let mut faces = [None; MOST_TIED];
+        let count = tied.count();
+        for k in 0..count {
+            let facet = tied.facet((answer[0] & FACET_BITS) as usize, k);
+            let face = self.face_of(facet, answer)?;
+            let is_known = |other: &Option<Face>| {
+                other.is_some_and(|other| (other.leaf, other.placement) == (face.leaf, face.placement))
+            };
+            if faces[..k].iter().any(is_known) {
+                // the events of one leaf follow other rules
+                return None;
+            }
+            faces[k] = Some(face);
+            let t = self.time_of(face, ray, answer, clock)?;
+            events[k] = TiedEvent { t, facet, instance: *self.layout.instances.get(facet)? };
+        }
+        let (k, t) = tied.crossing(&events[..count])?;
+        self.crossing_at(t, faces[k]?, answer)
     }
 
     fn put(&self, ray: &Ray, part: &mut Part<'_>, k: usize, crossing: &Crossing) {

@@ -8,7 +8,8 @@
 @group(0) @binding(5) var<storage, read> exact: array<f64, @EXACT_ROWS@>;
 // a row per facet: (kind, surface, maps, number of maps), then a row per item: (maps, number of maps)
 @group(0) @binding(6) var<storage, read> lookup: array<vec4u, @LOOKUP_ROWS@>;
-@group(0) @binding(7) var<storage, read_write> completed: array<f64>;
+// the bits of the time, or the events among which the CPU decides
+@group(0) @binding(7) var<storage, read_write> completed: array<vec2u>;
 
 @ARITHMETIC@
 
@@ -176,7 +177,8 @@ fn completed_row(i: u32, row: vec4u, line: Line, sent: Sent) -> vec4u {
     if !(t > 0.0lf && distance < (1.0lf + abs(on_device)) * sent.rate) {
         return row;
     }
-    completed[i] = t;
+    let bits = bitcast<u64>(t);
+    completed[i] = vec2u(u32(bits), u32(bits >> 32u));
     return vec4u(row.x | COMPLETED, row.yzw);
 }
 
@@ -188,7 +190,9 @@ fn answer(i: u32) {
         return;
     }
     var row = packed(find(sent.ray, window_start(sent.start)));
-    if row.x < MISS {
+    if row.x < MISS && (row.x & TIED) != 0u {
+        completed[i] = tied;
+    } else if row.x < MISS {
         row = completed_row(i, row, line, sent);
     }
     answers[i] = row;

@@ -75,6 +75,7 @@ fn find(r: Ray, start: vec2f) -> Found {
         // for the region at the start, only boxes around it count
         var best = Change(true, 0u, 0u, 0u, BIG, select(BIG, from_.y, ONLY_START), NONE, 0u);
         var item = NONE;
+        var best_tied = vec2u();
         // lower bound of the times of all other events
         var other = BIG;
         // the last region that is inside, its item, and the last region of the other items
@@ -116,6 +117,7 @@ fn find(r: Ray, start: vec2f) -> Found {
                     other = min(other, best.lo);
                     best = c;
                     item = number;
+                    best_tied = tied;
                 } else {
                     other = min(other, c.lo);
                 }
@@ -125,6 +127,7 @@ fn find(r: Ray, start: vec2f) -> Found {
         if began == NONE {
             began = region;
         }
+        tied = vec2u();
         if item == NONE {
             return Found(Change(true, began, region, region, BIG, BIG, NONE, 0u), 0u);
         }
@@ -137,6 +140,7 @@ fn find(r: Ray, start: vec2f) -> Found {
             best.before = region;
             best.after = after;
             best.start = began;
+            tied = best_tied;
             return Found(best, item);
         }
         from_ = vec2f(best.hi, best.hi);

@@ -104,6 +104,7 @@ pub(crate) fn source(layout: &Layout, entry: Entry, doubles: Option<&Doubles>) -
         ("@ATOMS@", format!("{}u", layout.atoms)),
         ("@STACK@", format!("{}", layout.stack.max(1))),
         ("@MOST@", format!("{}u", entry.rows() - 1)),
+        ("@COMPLETES@", entry.completes().to_string()),
         ("@ONLY_START@", (entry == Entry::Start).to_string()),
         ("@LINES@", lines.to_owned()),
         ("@PIXELS@", PIXELS.to_string()),

@@ -14,6 +14,99 @@ fn owner(group: vec4u, outputs: vec4u, bits: Bits) -> u32 {
     return 0u;
 }
 
+// Events with overlapping intervals, in an order that is not known.
+struct Tie {
+    // the number of events and, of each, the number of the atom in the group and the facet
+    count: u32,
+    events: array<vec2u, MOST_GATHERED>,
+    // bit s is 1 if the events in the set s change the region from `before` to `after`, and 0 if they do not change it
+    table: u32,
+    after: u32,
+    // false if the region has another value in between
+    is_clear: bool,
+}
+
+// Events that are gathered, and those that the CPU decides about.
+const MOST_GATHERED: u32 = 5u;
+const MOST_TIED: u32 = 4u;
+
+// The events of a set, as a change of bits.
+fn changed(tie: Tie, subset: u32) -> Bits {
+    var bits = no_bits();
+    for (var j = 0u; j < tie.count; j++) {
+        if ((subset >> j) & 1u) == 1u {
+            bits = flipped(bits, tie.events[j].x);
+        }
+    }
+    return bits;
+}
+
+// The regions after every subset of the events.
+fn tabulated(given: Tie, group: vec4u, outputs: vec4u, bits: Bits, before: u32) -> Tie {
+    var tie = given;
+    let medium = medium_in(outputs, before);
+    tie.table = 0u;
+    tie.after = before;
+    tie.is_clear = true;
+    for (var s = 1u; s < (1u << tie.count); s++) {
+        let region = owner(group, outputs, both(bits, changed(tie, s)));
+        if region == before {
+            continue;
+        }
+        if tie.after == before {
+            tie.after = region;
+            tie.is_clear = medium_in(outputs, region) != medium;
+        }
+        tie.is_clear = tie.is_clear && region == tie.after;
+        tie.table |= 1u << s;
+    }
+    return tie;
+}
+
+// The events that matter in any order.
+fn reduced(tie: Tie) -> Tie {
+    var kept = tie;
+    kept.count = 0u;
+    var numbers: array<u32, MOST_GATHERED>;
+    for (var j = 0u; j < tie.count; j++) {
+        var matters = false;
+        for (var s = 0u; s < (1u << tie.count); s++) {
+            matters = matters || (((tie.table >> s) ^ (tie.table >> (s ^ (1u << j)))) & 1u) == 1u;
+        }
+        if matters {
+            kept.events[kept.count] = tie.events[j];
+            numbers[kept.count] = j;
+            kept.count += 1u;
+        }
+    }
+    kept.table = 0u;
+    for (var s = 0u; s < (1u << kept.count); s++) {
+        var subset = 0u;
+        for (var j = 0u; j < kept.count; j++) {
+            subset |= ((s >> j) & 1u) << numbers[j];
+        }
+        kept.table |= ((tie.table >> subset) & 1u) << s;
+    }
+    return kept;
+}
+
+// Passes the events to the CPU, which computes their order; false if they do not fit. See `Tied` in `tied.rs`.
+fn passed_on(tie: Tie) -> bool {
+    if tie.count > MOST_TIED {
+        return false;
+    }
+    let base = tie.events[0].y;
+    var offsets = array<u32, MOST_TIED>(0u, 0u, 0u, 0u);
+    var fits = true;
+    for (var j = 0u; j < tie.count; j++) {
+        let facet = tie.events[j].y;
+        fits = fits && facet < HIDDEN && max(facet, base) - min(facet, base) < 0x8000u;
+        offsets[j] = (facet - base) & 0xffffu;
+    }
+    tied = vec2u(tie.table | (offsets[1] << 16u), offsets[2] | (offsets[3] << 16u));
+    return fits;
+}
+
 var<private> times: array<vec4f, ATOMS>;
 var<private> first: array<u32, ATOMS>;
 var<private> second: array<u32, ATOMS>;
@@ -22,6 +115,7 @@ var<private> which: array<u32, ATOMS>;
 
 // The first change of medium (of value, for a placed group) of a group after `from`, a certain time in an interval.
 fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
+    tied = vec2u();
     let group = tables[params.groups + 2u * g];
     let outputs = tables[params.groups + 2u * g + 1u];
     var bits = no_bits();
@@ -76,35 +170,66 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
             return Change(true, start, region, region, BIG, BIG, NONE, 0u);
         }
         if facet == HIDDEN {
-            return unsure(start, lo);
+            return uncertain(start, lo);
         }
         // events at the same time: those of the same surface are exact ties, others leave the order open
         let key = key_of(facet);
         var ties = no_bits();
         var count = 0u;
-        for (var k = 0u; k < live; k++) {
-            var mine = 0u;
-            if first[k] != NONE && times[k].x <= hi {
-                mine += 1u;
-                if key_of(first[k]) != key || (facet == EITHER && k != atom) {
-                    return unsure(start, lo);
+        var tie: Tie;
+        var is_exact = true;
+        var reach = hi;
+        var has_more = true;
+        while has_more {
+            for (var k = 0u; k < live; k++) {
+                var mine = NONE;
+                if first[k] != NONE && times[k].x <= hi {
+                    mine = first[k];
+                    reach = max(reach, times[k].y);
+                    first[k] = NONE;
+                } else if second[k] != NONE && times[k].z <= hi {
+                    mine = second[k];
+                    reach = max(reach, times[k].w);
+                    second[k] = NONE;
                 }
-                first[k] = NONE;
-            }
-            if second[k] != NONE && times[k].z <= hi {
-                mine += 1u;
-                if key_of(second[k]) != key || (facet == EITHER && k != atom) {
-                    return unsure(start, lo);
+                if mine == NONE {
+                    continue;
                 }
-                second[k] = NONE;
-            }
-            if mine > 1u {
-                return unsure(start, lo);
-            }
-            if mine == 1u {
+                if mine == HIDDEN || has(ties, which[k]) || (second[k] != NONE && times[k].z <= hi) {
+                    return uncertain(start, lo);
+                }
+                is_exact = is_exact && key_of(mine) == key && (facet != EITHER || k == atom);
+                if count < MOST_GATHERED {
+                    tie.events[count] = vec2u(which[k], mine);
+                }
                 ties = flipped(ties, which[k]);
                 count += 1u;
             }
+            // events in one surface have one time, so that the interval of one of them holds it
+            has_more = !is_exact && reach > hi;
+            hi = select(reach, hi, is_exact);
+        }
+        if !is_exact {
+            if count > MOST_GATHERED {
+                return uncertain(start, lo);
+            }
+            tie.count = count;
+            tie = tabulated(tie, group, outputs, bits, region);
+            bits = both(bits, ties);
+            if tie.table == 0u {
+                continue;
+            }
+            if !tie.is_clear || ((tie.table >> ((1u << count) - 1u)) & 1u) == 0u {
+                return uncertain(start, lo);
+            }
+            tie = reduced(tie);
+            if !passed_on(tie) {
+                return uncertain(start, lo);
+            }
+            if tie.count == 1u {
+                tied = vec2u();
+            }
+            return Change(true, start, region, tie.after, lo, hi, tie.events[0].y, NONE);
         }
         atom = which[atom];
         let next_bits = both(bits, ties);
@@ -113,7 +238,7 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
         let next_medium = medium_in(outputs, next);
         if medium != next_medium {
             if facet == EITHER {
-                return unsure(start, lo);
+                return uncertain(start, lo);
             }
             if count > 1u {
                 atom = NONE;
@@ -125,7 +250,7 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
                     // a placed solid is one leaf; if several of its atoms change, the CPU determines its face. They follow each other
                     let own = tables[params.atoms + 2u * (group.x + k)].w;
                     if own != 0u && own == instance {
-                        return unsure(start, lo);
+                        return uncertain(start, lo);
                     }
                     instance = own;
                     if atom == NONE
@@ -135,7 +260,7 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
                     }
                 }
                 if atom == NONE {
-                    return unsure(start, lo);
+                    return uncertain(start, lo);
                 }
                 facet = facet_with(group.x + atom, key);
                 atom = NONE;
@@ -145,7 +270,7 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
         bits = next_bits;
         region = next;
     }
-    return unsure(start, -BIG);
+    return uncertain(start, -BIG);
 }
 
 // The medium of a region of the model; the value itself in a placed group.

@@ -32,6 +32,8 @@ struct Params {
 const EITHER: u32 = 0xfffffffeu;
 const HIDDEN: u32 = 0xfffffffdu;
 const ATOMS: u32 = @ATOMS@;
+// True if the CPU computes the order of events that the device passes to it.
+const COMPLETES: bool = @COMPLETES@;
 // True if only the regions at the starts of the windows are computed.
 const ONLY_START: bool = @ONLY_START@;
 
@@ -192,7 +194,10 @@ fn medium_of(region: u32) -> u32 {
     return tables[params.media + (region >> 2u)][region & 3u];
 }
 
-fn unsure(start: u32, lo: f32) -> Change {
+// For the last change of `walk`: 0, or the events among which the CPU decides.
+var<private> tied: vec2u;
+
+fn uncertain(start: u32, lo: f32) -> Change {
     return Change(true, start, start, start, lo, BIG, HIDDEN, 0u);
 }
 
@@ -220,13 +225,14 @@ fn lost() -> Found {
 // A change as the CPU reads it: facet and flags, item, regions before and after, time.
 fn packed(found: Found) -> vec4u {
     let c = found.change;
-    if !c.certain || c.facet == HIDDEN || (limited && params.bounded == 0u && (c.hi > FAR || early)) {
+    let is_tied = tied.x != 0u;
+    if !c.certain || c.facet == HIDDEN || (is_tied && !COMPLETES) || (limited && params.bounded == 0u && (c.hi > FAR || early)) {
         // the time shows where the answer is open
         return vec4u(UNCERTAIN, u32(c.certain), 0u, bitcast<u32>(c.lo));
     }
     if c.facet == NONE {
         return vec4u(MISS, 0u, (c.start << 16u) | c.start, 0u);
     }
-    let flags = select(0u, SHARED, c.atom == NONE);
+    let flags = select(0u, SHARED, c.atom == NONE) | select(0u, TIED, is_tied);
     return vec4u(c.facet | flags, found.item, (c.before << 16u) | c.after, bitcast<u32>(0.5 * (c.lo + c.hi)));
 }

@@ -1,6 +1,7 @@
 //! Nearest crossings on an adapter, against the CPU, bit for bit. Skipped with a message where there is no adapter.
 
 mod tori;
+mod touching;
 
 use rayweave_conformance::{Model, Random, Style, rays};
 use rayweave_gpu::{Gpu, GpuError, GpuProgram, GpuReport};
