@@ -92,6 +92,15 @@ impl Adversary {
         (1..terms.len()).fold(at(0), |sum, k| self.add(sum, at(k)))
     }
 
+    /// A sum of sums, which the adversary adds in an order of its own.
+    pub fn groups(&mut self, groups: &[&[f32]]) -> f32 {
+        if !self.is_nearest {
+            return self.total(&groups.concat());
+        }
+        let sums: Vec<f32> = groups.iter().map(|terms| self.total(terms)).collect();
+        self.total(&sums)
+    }
+
     pub fn sum(&mut self, v: V3) -> f32 {
         self.total(&v)
     }

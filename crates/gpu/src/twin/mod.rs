@@ -23,6 +23,8 @@ mod adversary;
 #[cfg(test)]
 mod device;
 #[cfg(test)]
+mod kernels;
+#[cfg(test)]
 mod pixels;
 #[cfg(test)]
 mod surfaces;

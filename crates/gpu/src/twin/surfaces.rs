@@ -38,12 +38,44 @@ pub(crate) fn plane(m: &mut Adversary, room: f32, p: [f32; 4], e: [f32; 2], r: &
     let normal = [p[0], p[1], p[2]];
     let no = m.product(normal, r.o);
     let nd = m.product(normal, r.d);
-    let h = m.total(&[p[3], -no[0], -no[1], -no[2]]);
+    let h = m.groups(&[&[p[3]], &no.map(|x| -x)]);
     let v = m.sum(nd);
     let n1 = l1(normal) + 3.0 * e[0];
     let eh = room * (EPS * (4.0 * l1(no) + 3.0 * p[3].abs()) + e[1] + e[0] * l1(r.o) + n1 * r.eo) + TINY;
     let ev = room * (EPS * 3.0 * l1(nd) + e[0] * l1(r.d) + n1 * r.ed) + TINY;
     [(h, eh), (v, ev)]
+}
+
+/// The time at which a ray crosses a plane, given height and speed.
+pub(crate) fn plane_time(m: &mut Adversary, room: f32, [(h, eh), (v, ev)]: [Bounded; 2]) -> Bounded {
+    let t = m.div(h, v);
+    (t, room * (eh + t.abs() * ev) / (v.abs() - ev) + 6.0 * EPS * t.abs())
+}
+
+/// `a x^2 + 2 b x + c`, as a sum of three terms.
+pub(crate) fn value(
+    m: &mut Adversary,
+    room: f32,
+    [(a, ea), (b, eb), (c, ec)]: [Bounded; 3],
+    x: f32,
+) -> Bounded {
+    let (ax, bx) = (m.mul(a, x), m.mul(2.0 * b, x));
+    let axx = m.mul(ax, x);
+    let y = x.abs();
+    let error =
+        (ea + 4.0 * EPS * a.abs()) * y * y + 2.0 * (eb + 3.0 * EPS * b.abs()) * y + ec + EPS * 2.0 * c.abs();
+    (m.total(&[axx, bx, c]), room * error + TINY)
+}
+
+/// `b^2 - a c`.
+pub(crate) fn discriminant(
+    m: &mut Adversary,
+    room: f32,
+    [(a, ea), (b, eb), (c, ec)]: [Bounded; 3],
+) -> Bounded {
+    let (bb, ac) = (m.mul(b, b), m.mul(a, c));
+    let error = 2.0 * b.abs() * eb + eb * eb + a.abs() * ec + c.abs() * ea + ea * ec;
+    (m.sub(bb, ac), room * (error + EPS * 2.0 * (b * b + (a * c).abs())) + TINY)
 }
 
 /// `[a, b, c]` of a sphere about the time s, and s.
@@ -118,7 +150,7 @@ pub(crate) fn quadric(
     let wp = m.product(w, p);
     let wpp = m.product(wp, p);
     let lp = m.product(l, p);
-    let c = m.total(&[wpp[0], wpp[1], wpp[2], lp[0], lp[1], lp[2], constant]);
+    let c = m.groups(&[&wpp, &lp, &[constant]]);
     let two = |p: V3, e: V3| -> V3 { std::array::from_fn(|k| 2.0 * p[k].abs() * e[k] + e[k] * e[k]) };
     let ec = room
         * (l1(times(aw, two(p, ep)))
@@ -131,7 +163,7 @@ pub(crate) fn quadric(
     let wpy = m.product(wp, y);
     let ly = m.product(l, y);
     let half = ly.map(|x| 0.5 * x);
-    let b = m.total(&[wpy[0], wpy[1], wpy[2], half[0], half[1], half[2]]);
+    let b = m.groups(&[&wpy, &half]);
     let cross: V3 = std::array::from_fn(|k| abs(p)[k] * ey[k] + abs(y)[k] * ep[k] + ep[k] * ey[k]);
     let eb = room
         * (l1(times(aw, cross))

@@ -1,7 +1,7 @@
 //! The error bounds against an adversary that chooses the rounding of each operation and the errors of the input.
 
 use super::adversary::{Adversary, V3};
-use super::surfaces::{TwinRay, cylinder, placed, plane, quadric, sphere};
+use super::surfaces::{TwinRay, cylinder, discriminant, placed, plane, plane_time, quadric, sphere, value};
 use super::torus;
 use super::{Bounds, DIRECTION_ERROR};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
@@ -117,6 +117,37 @@ fn plane_case(rng: &mut ChaCha8Rng, with_errors: bool) -> Vec<f64> {
         let (o, d) = (off3(m, r.o, r.eo), off3(m, r.d, r.ed));
         let [h, v] = plane(m, Bounds::default().room, p, e, &r);
         vec![difference(h, c - dot(n, o)), difference(v, dot(n, d))]
+    })
+}
+
+/// The crossing of a plane, given height and speed: the bound has room for a division that no adversary uses up without errors.
+fn plane_time_case(rng: &mut ChaCha8Rng, with_errors: bool) -> Vec<f64> {
+    if !with_errors {
+        return Vec::new();
+    }
+    let (h, v) = (rng.random_range(-4.0f32..4.0), rng.random_range(0.1f32..1.0));
+    let given = [(h, 1e-5), (v, 1e-6)];
+    worst(rng, |m| {
+        let exact = off(m, h, given[0].1) / off(m, v, given[1].1);
+        vec![difference(plane_time(m, Bounds::default().room, given), exact)]
+    })
+}
+
+/// A quadratic at a random point, and its discriminant.
+fn quadratic_case(rng: &mut ChaCha8Rng, with_errors: bool) -> Vec<f64> {
+    let [a, b, c] = vector(rng, 1.0);
+    let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+    let x = [rng.random_range(-2.0f32..2.0), rng.random_range(1.0f32..1.0005)][rng.random_range(0..2)];
+    let e = if with_errors { [1e-6f32, 2e-6, 3e-6] } else { [0.0; 3] };
+    let given = [(a, e[0]), (b, e[1]), (sign * c, e[2])];
+    worst(rng, |m| {
+        let [a, b, c] = given.map(|(x, bound)| off(m, x, bound));
+        let at = f64::from(x);
+        let room = Bounds::default().room;
+        vec![
+            difference(value(m, room, given, x), (a * at + 2.0 * b) * at + c),
+            difference(discriminant(m, room, given), b * b - a * c),
+        ]
     })
 }
 
@@ -257,8 +288,10 @@ fn placed_case(rng: &mut ChaCha8Rng, with_errors: bool) -> Vec<f64> {
 #[test]
 fn an_adversary_reaches_more_than_half_of_each_bound() {
     type Case = fn(&mut ChaCha8Rng, bool) -> Vec<f64>;
-    let cases: [(&str, Case); 6] = [
+    let cases: [(&str, Case); 8] = [
         ("plane: height, speed", plane_case),
+        ("plane: time", plane_time_case),
+        ("quadratic: value, discriminant", quadratic_case),
         ("sphere: a, b, c", sphere_case),
         ("cylinder: a, b, c", cylinder_case),
         ("quadric: a, b, c", quadric_case),
