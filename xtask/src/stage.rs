@@ -70,6 +70,12 @@ pub const STAGES: &[Stage] = &[
         "the Python package, built, installed in a fresh environment, tested and typed",
         package::run,
     ),
+    Stage {
+        name: "gpu-python",
+        what: "the argument `device` of the Python package, built for graphics cards, where a Vulkan driver is installed",
+        long: true,
+        run: package::gpu,
+    },
     stage("examples", "every example runs to its end", examples::run),
 ];
 

@@ -46,12 +46,7 @@ pub fn tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
 
 /// The tests of the crate for graphics cards, of photons on them, and of the command with them, where a Vulkan driver is installed.
 pub fn gpu(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
-    let has_driver = |folder: &&str| std::fs::read_dir(folder).is_ok_and(|mut files| files.next().is_some());
-    if std::env::var_os("VK_DRIVER_FILES").is_none() && !DRIVERS.iter().any(has_driver) {
-        println!(
-            "SKIPPED: no Vulkan driver is installed. The Debian packages libvulkan1 and mesa-vulkan-drivers provide one."
-        );
-        counts.skipped += 1;
+    if !has_driver(counts) {
         return Ok(());
     }
     let mut library = cargo(workshop);
@@ -69,6 +64,19 @@ pub fn gpu(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
         "device::",
     ]);
     counted(workshop, users, counts)
+}
+
+/// True if a Vulkan driver is installed; otherwise prints that the stage is skipped, and counts it.
+pub fn has_driver(counts: &mut Counts) -> bool {
+    let has_driver = |folder: &&str| std::fs::read_dir(folder).is_ok_and(|mut files| files.next().is_some());
+    if std::env::var_os("VK_DRIVER_FILES").is_some() || DRIVERS.iter().any(has_driver) {
+        return true;
+    }
+    println!(
+        "SKIPPED: no Vulkan driver is installed. The Debian packages libvulkan1 and mesa-vulkan-drivers provide one."
+    );
+    counts.skipped += 1;
+    false
 }
 
 pub fn long_tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {

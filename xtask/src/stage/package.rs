@@ -2,13 +2,16 @@
 
 use crate::outcome::Outcome;
 use crate::process;
-use crate::python::BINDING;
+use crate::python::{BINDING, Python, remove_old};
 use crate::report::Counts;
 use crate::stub;
 use crate::workshop::Workshop;
 
 /// A file that uses the whole typed interface, relative to the root.
 const TYPED_SAMPLE: &str = "bindings/python/tests/typed_sample.py";
+
+/// The tests of the argument `device`, relative to the folder of the bindings.
+const GPU_TESTS: &str = "tests/test_device.py";
 
 /// Names that stubtest is allowed to find different; the file is optional.
 const STUBTEST_ALLOWLIST: &str = "bindings/python/stubtest-allowlist.txt";
@@ -34,6 +37,24 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     ];
     let failures: Vec<String> = outcomes.into_iter().filter_map(Result::err).collect();
     if failures.is_empty() { Ok(()) } else { Err(failures.join("\n")) }
+}
+
+/// Tests the package with the feature for graphics cards, in an environment of its own: the other stages use the package without it.
+pub fn gpu(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
+    if !super::cargo::has_driver(counts) {
+        return Ok(());
+    }
+    let target = workshop.repository.target();
+    let mut python = Python::named(workshop.repository, "gpu-venv", false);
+    let folder = target.join("gpu-wheels");
+    remove_old(&folder)?;
+    let wheel = python.build_wheel(&folder, |maturin| {
+        maturin.args(["--features", "gpu"]).env("CARGO_TARGET_DIR", target)
+    })?;
+    python.install(&["pytest", "numpy", &wheel.to_string_lossy()])?;
+    let mut pytest = python.program("python")?;
+    pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]).arg(format!("{BINDING}/{GPU_TESTS}"));
+    process::run_reading(pytest.env("PYTHONDONTWRITEBYTECODE", "1"), |line| counts.read_pytest_line(line))
 }
 
 fn tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
