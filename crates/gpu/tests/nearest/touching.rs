@@ -29,7 +29,7 @@ fn rays(rng: &mut Random, turn: &Affine) -> RayBatch {
     all
 }
 
-/// A gear: the faces of the teeth lie in those of the disc and of the rim. Rollers in bearings share a curved face.
+/// A gear: the faces of the teeth lie in those of the disc and of the rim. Bearings: copies share flat and curved faces.
 #[test]
 fn faces_of_placed_solids_in_one_surface() {
     let Some(adapter) = adapter() else { return };
@@ -48,9 +48,9 @@ fn faces_of_placed_solids_in_one_surface() {
         let keyway = block([0.4, 0.06, 1.0], [0.2, 0.0, 0.0]).place(maps(3));
         let bore = rod(0.25, 1.0).apply(turn);
         let gear = (disc | tooth.place(maps(8)) & rim) - (keyway | bore);
-        // 1: the intersection of placed solids; 2: two placements of one cylinder, each with a part removed
+        // three placements of one cylinder, each with another half removed, and two of a longer hole
         let half = block([2.0, 2.0, 2.0], [1.0, 0.0, 0.0]);
-        let bearings = (rod(0.7, 0.5) - half).place(maps(3)) - rod(0.3, 0.5).place(maps(2));
+        let bearings = (rod(0.7, 0.5) - half).place(maps(3)) - rod(0.3, 0.8).place(maps(2));
         for (name, solid) in [("gear", &gear), ("bearings", &bearings)] {
             let program = Arc::new(Program::compile(solid).unwrap());
             let report = check(&adapter, &program, &rays(&mut rng, &turn), name).unwrap();
