@@ -60,7 +60,8 @@ const KERNELS: [Kernel; 5] = [
     },
     Kernel {
         name: "placed",
-        call: "let moved = placed(0u, r); noted = array<f32, 8>(moved.o.x, moved.eo, moved.o.z, moved.eo, moved.d.x, moved.ed, moved.d.y, moved.ed);",
+        call: "let to = placed(0u, r); \
+               noted = array<f32, 8>(to.o.x, to.eo, to.o.z, to.eo, to.d.x, to.ed, to.d.y, to.ed);",
         twin: |(rows, r)| {
             let rows = [rows[0], rows[1], rows[2], rows[3]];
             let TwinRay { o, d, eo, ed } = placed(&mut Adversary::nearest(), room(), &rows, r);
