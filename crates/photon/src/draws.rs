@@ -21,7 +21,7 @@ pub(crate) type Words = [u64; LANES];
 #[derive(Debug)]
 pub(crate) struct Draws {
     level: Level,
-    /// Two uniform numbers of each photon, for its free paths.
+    /// Two exponentially distributed numbers of each photon, for its free paths.
     paths: Vec<[f64; 2]>,
     /// The photons at boundaries that need random numbers, and the first block of each.
     asked: Vec<Counter>,
@@ -47,8 +47,9 @@ impl Draws {
         self.asked.clear();
     }
 
-    /// The first two uniform numbers for the free paths of a photon.
-    pub fn uniforms(&self, i: usize) -> [f64; 2] {
+    /// The first two exponentially distributed numbers for the free paths of a photon.
+    #[inline]
+    pub fn exponentials(&self, i: usize) -> [f64; 2] {
         self.paths[i]
     }
 
@@ -201,7 +202,7 @@ fn compute<S: Simd>(
                 for k in 0..2 {
                     let numbers = uniforms(&words[2 * k], &words[2 * k + 1]);
                     for lane in 0..LANES {
-                        paths[lane][k] = numbers[lane];
+                        paths[lane][k] = exponential(numbers[lane]);
                     }
                 }
             }
@@ -304,14 +305,14 @@ const WORD: u64 = u32::MAX as u64;
 pub(crate) const LEAST_EXPONENTIAL: f64 = 1.0 - 1e-12;
 
 /// The exponentially distributed number of a uniform one: [`Stream::exponential`].
-#[inline]
+#[inline(always)]
 pub(crate) fn exponential(uniform: f64) -> f64 {
     -log(uniform)
 }
 
 /// The natural logarithm of a number from 2^-54 to 1, by the operations of `log` in the C library musl and in `libm`, without
 /// branches.
-#[inline]
+#[inline(always)]
 fn log(x: f64) -> f64 {
     let bits = x.to_bits() + TO_ONE;
     let power = (bits >> 52) as i32 - 0x3ff;
@@ -378,8 +379,8 @@ mod tests {
                 let (mut known, mut expected) =
                     (draws.boundary(Some(i as u32), seed, counter), stream(Purpose::Boundary));
                 let mut paths = (Draws::other_exponentials(seed, counter), stream(Purpose::FreePath));
-                for known in draws.uniforms(i) {
-                    assert_eq!(exponential(known).to_bits(), paths.1.exponential().to_bits());
+                for known in draws.exponentials(i) {
+                    assert_eq!(known.to_bits(), paths.1.exponential().to_bits());
                 }
                 for _ in 0..6 {
                     assert_eq!(known.uniform(), expected.uniform());

@@ -611,7 +611,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.result.steps += 1;
         let to_boundary = if has_crossing { self.found.t[i] } else { f64::INFINITY };
         let others = || Draws::other_exponentials(self.settings.seed, self.numbers.counter(mark));
-        let (free, process) = free_path(values, self.draws.uniforms(i), others, to_boundary);
+        let (free, process) = free_path(values, self.draws.exponentials(i), others);
         let length = free.min(to_boundary);
         photon.time += length / values.velocity;
         if photon.time > self.settings.max_time {
@@ -965,17 +965,12 @@ fn secondary(flight: Flight, emitted: u32) -> u64 {
     1 << 62 | u64::from(a & 0x3fff_ffff) << 32 | u64::from(b)
 }
 
-/// The shortest free path in a material and its process, if it ends before the boundary; otherwise any path that does not.
-/// `first_two` are the first two uniform numbers of the step, and `others` the numbers behind them.
+/// The shortest free path in a material and its process. `first_two` are the first two exponentially distributed numbers of the step,
+/// and `others` the numbers behind them.
 #[inline]
-fn free_path(
-    values: &MaterialValues,
-    first_two: [f64; 2],
-    others: impl FnOnce() -> Stream,
-    to_boundary: f64,
-) -> (f64, Bulk) {
+fn free_path(values: &MaterialValues, first_two: [f64; 2], others: impl FnOnce() -> Stream) -> (f64, Bulk) {
     let paths = values.paths();
-    let (length, process) = shortest(paths.iter().copied(), first_two, to_boundary);
+    let (length, process) = shortest(paths.iter().copied(), first_two);
     let mut shortest = (length, process.unwrap_or(Bulk::Absorption));
     if let Some(further @ [_, ..]) = paths.get(2..) {
         let mut stream = others();
