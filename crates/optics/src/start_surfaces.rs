@@ -4,10 +4,19 @@
 //! known, so that the ray needs no offset (no ray epsilon) and hits nothing twice. At edges it
 //! starts on several surfaces: all within `delta` of the point.
 
+mod contact;
+mod neighbours;
+
+pub use self::contact::{Contact, project};
+
+pub(crate) use self::contact::newton_step;
+
+use self::contact::{Map, outer_gradient};
+use self::neighbours::{Neighbours, SLACK};
 use rayweave_bvh::ExactBvh;
 use rayweave_math::{Affine, Bounds, Mat3, Vec3};
 use rayweave_model::weld::local_ray;
-use rayweave_model::{Crossing, Face, LeafId, PlacementId, Program, Start, SurfaceId};
+use rayweave_model::{Crossing, LeafId, PlacementId, Program, Start, SurfaceId};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{Surface, delta, delta_of};
 use std::collections::HashMap;
@@ -56,21 +65,6 @@ struct Core {
     beyond: [Option<SurfaceId>; 6],
 }
 
-/// A map into the frame of a placement, in half a cache line: photons among many solids wait for it.
-#[derive(Clone, Debug)]
-struct Map {
-    translation: Vec3,
-    /// Copies that are turned alike share it.
-    linear: Arc<Mat3>,
-}
-
-impl Map {
-    #[inline]
-    fn affine(&self) -> Affine {
-        Affine { linear: *self.linear, translation: self.translation }
-    }
-}
-
 /// A sphere in the world.
 #[derive(Clone, Copy, Debug)]
 struct Ball {
@@ -100,19 +94,6 @@ struct Frame {
     norm: f64,
     /// The lengths of the translations composed into it.
     path: f64,
-}
-
-/// For each cluster with few neighbours, the clusters whose boxes touch its box.
-#[derive(Clone, Debug, Default)]
-struct Neighbours {
-    /// The lists, one after the other, and the first of each cluster; empty for clusters with too many neighbours.
-    lists: Vec<u32>,
-    first: Vec<u32>,
-    /// The first cluster of each placement, and for each surface the position of its cluster in that placement.
-    of_placement: Vec<u32>,
-    of_surface: Vec<u32>,
-    /// The margin by which all boxes in the lists are grown.
-    slack: f64,
 }
 
 /// A plane or a sphere that rays cross, in a frame that is not turned: for callers that evaluate the contacts of several rays at
@@ -159,15 +140,8 @@ pub enum ExitSide {
     Transmitted,
 }
 
-/// Number of neighbours above which the tree is faster than a list.
-const FEW: usize = 16;
-
 /// Number of boxes that touch a face above which no part of the face is searched that is far from all of them.
 const MANY: usize = 64;
-
-/// The margin of boxes in lists of neighbours, relative to the size of the model; it covers the tolerances of rays up to
-/// 10^5 times as long as the model.
-const SLACK: f64 = 1e-6;
 
 /// Number of placements from which on their data do not fit into the cache.
 const LARGE: usize = 1000;
@@ -699,149 +673,12 @@ impl Frame {
     }
 }
 
-impl Neighbours {
-    fn new(boxes: &[Bounds], tree: &ExactBvh) -> Neighbours {
-        let finite = boxes.iter().filter(|bounds| bounds.is_finite());
-        let all = finite.fold(Bounds::EMPTY, |all, bounds| all.union(bounds));
-        let mut found = Neighbours { first: vec![0], ..Neighbours::default() };
-        if !all.is_empty() {
-            found.slack = SLACK * all.lo.abs().max(all.hi.abs()).max_element();
-        }
-        for bounds in boxes {
-            let own = bounds.grown(2.0 * found.slack);
-            let first = found.lists.len();
-            let _ = tree.visit(
-                |other| !other.intersection(&own).is_empty(),
-                |k| {
-                    found.lists.push(k as u32);
-                    if found.lists.len() - first > FEW {
-                        ControlFlow::Break(())
-                    } else {
-                        ControlFlow::Continue(())
-                    }
-                },
-            );
-            if found.lists.len() - first > FEW {
-                found.lists.truncate(first);
-            }
-            found.first.push(found.lists.len() as u32);
-        }
-        found
-    }
-
-    /// The cluster of a surface and its neighbours, itself included; `None` if it has too many.
-    fn of(&self, start: &Start) -> Option<(usize, &[u32])> {
-        let own = self.cluster(start);
-        let list = &self.lists[self.first[own] as usize..self.first[own + 1] as usize];
-        (!list.is_empty()).then_some((own, list))
-    }
-
-    /// The cluster of a surface.
-    fn cluster(&self, start: &Start) -> usize {
-        (self.of_placement[start.placement.index()] + self.of_surface[start.surface.index()]) as usize
-    }
-
-    /// True if the neighbours of a box include all clusters whose boxes, grown by a margin, contain a point.
-    fn cover(&self, own: &Bounds, point: Vec3, margin: f64) -> bool {
-        margin <= self.slack && own.grown(self.slack).contains(point)
-    }
-}
-
 /// Whether a scattered ray starts where f < 0, from the slope of f along the incident ray and its value.
 pub(crate) fn starts_inside(slope: f64, value: f64, side: ExitSide) -> bool {
     match side {
         ExitSide::Incident => slope > 0.0 || (slope == 0.0 && value < 0.0),
         ExitSide::Transmitted => slope < 0.0 || (slope == 0.0 && value < 0.0),
     }
-}
-
-/// A crossing of a ray, with the surface at the point where it is crossed.
-#[derive(Clone, Copy, Debug)]
-pub struct Contact<'a> {
-    program: &'a Program,
-    ray: &'a Ray,
-    t: f64,
-    face: Face,
-    /// The maps into the frame of the surface, outermost first.
-    maps: &'a [Map],
-    /// The surface's function at the point, and its gradient, in that frame.
-    value: f64,
-    gradient: Vec3,
-}
-
-impl<'a> Contact<'a> {
-    /// Evaluates the surface of a crossing; `maps` lead into its frame.
-    #[inline]
-    fn new(program: &'a Program, ray: &'a Ray, crossing: &Crossing, maps: &'a [Map]) -> Contact<'a> {
-        let &Crossing { t, face, .. } = crossing;
-        let (value, gradient) = value_and_gradient(program, (ray, crossing), maps.iter().map(Map::affine));
-        Contact { program, ray, t, face, maps, value, gradient }
-    }
-
-    /// The slope along the ray of the surface's function, up to a positive factor, like that of
-    /// [`rayweave_model::attributes::world_gradient`].
-    #[inline]
-    fn slope(&self) -> f64 {
-        outer_gradient(self.gradient, self.maps.iter().map(Map::affine)).dot(self.ray.direction)
-    }
-
-    /// The point of the crossing, projected onto the surface by one Newton step along a normal.
-    #[must_use]
-    #[inline]
-    pub fn project(&self, normal: Vec3) -> Vec3 {
-        let maps = self.maps.iter().map(Map::affine);
-        onto_surface((self.ray, self.t), normal, (self.value, self.gradient), maps)
-    }
-}
-
-/// The function of the surface of a crossing and its gradient, in the frame that `maps` lead into.
-#[inline]
-fn value_and_gradient(
-    program: &Program,
-    (ray, crossing): (&Ray, &Crossing),
-    maps: impl Iterator<Item = Affine>,
-) -> (f64, Vec3) {
-    let local = maps.fold(*ray, |local, map| local.transformed(&map));
-    program.surface(crossing.face.surface).surface.value_and_gradient(local.at(crossing.t))
-}
-
-/// The point of a ray at a time, projected by one Newton step along a normal onto a surface with this value and gradient.
-#[inline]
-fn onto_surface(
-    (ray, t): (&Ray, f64),
-    normal: Vec3,
-    (value, gradient): (f64, Vec3),
-    maps: impl Iterator<Item = Affine>,
-) -> Vec3 {
-    let along = maps.fold(normal, |normal, map| map.vector(normal));
-    newton_step(ray.at(t), normal, value / gradient.dot(along))
-}
-
-/// A gradient in the world, up to a positive factor; `maps` lead into its frame.
-#[inline]
-fn outer_gradient(gradient: Vec3, maps: impl DoubleEndedIterator<Item = Affine>) -> Vec3 {
-    let up = maps.rev().fold(gradient, |gradient, map| map.linear.transpose() * gradient);
-    let largest = up.abs().max_element();
-    match largest {
-        // planes across an axis need no division
-        1.0 => up,
-        _ if largest > 0.0 => up / largest,
-        _ => Vec3::ZERO,
-    }
-}
-
-/// The point of a crossing, projected onto its surface by one Newton step along the normal.
-#[must_use]
-pub fn project(program: &Program, ray: &Ray, crossing: &Crossing, normal: Vec3) -> Vec3 {
-    let maps: Vec<Affine> =
-        program.descend(crossing.face.placement).map(|place| place.local_from_world).collect();
-    let value = value_and_gradient(program, (ray, crossing), maps.iter().copied());
-    onto_surface((ray, crossing.t), normal, value, maps.iter().copied())
-}
-
-/// A point after a step against a direction; a step that is not finite is ignored.
-pub(crate) fn newton_step(point: Vec3, normal: Vec3, step: f64) -> Vec3 {
-    if step.is_finite() { point - step * normal } else { point }
 }
 
 #[cfg(test)]

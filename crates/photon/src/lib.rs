@@ -15,6 +15,7 @@
 //! Application Developers 11.4, section 5.2.5. The order of decisions is that of Geant4's
 //! `G4OpBoundaryProcess`, `G4OpAbsorption`, `G4OpRayleigh`, `G4OpMieHG` and `G4OpWLS`.
 
+mod batch;
 mod boundary;
 mod box_steps;
 mod compare;
@@ -41,6 +42,7 @@ mod propagate;
 pub mod property;
 mod remarks;
 mod rows;
+mod run;
 mod sample;
 mod scatter;
 mod scintillation;
@@ -76,8 +78,9 @@ pub use material::{
 };
 pub use opticks::{OpticksHits, opticks_photons};
 pub use photon::Photon;
-pub use propagate::{PhotonPart, PhotonRun, simulate, simulate_parts};
+pub use propagate::{simulate, simulate_parts};
 pub use remarks::{RemarkTerms, is_dark};
+pub use run::{PhotonPart, PhotonRun};
 pub use sample::LinearDensity;
 pub use scintillation::ScintillationLight;
 pub use settings::{RunSettings, TimeProfile};

@@ -12,12 +12,14 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
+use crate::batch::Batch;
 use crate::detector::{DetectionRule, Detector};
 use crate::error::PhotonError;
 use crate::flight::{End, Flight};
 use crate::hits::Hits;
 use crate::photon::{EventKey, Photon};
-use crate::propagate::{BATCH, Batch, PhotonPart, PhotonRun, check, simulate_parts};
+use crate::propagate::{BATCH, check, simulate_parts};
+use crate::run::{PhotonPart, PhotonRun};
 use crate::settings::{RunSettings, TimeProfile};
 use crate::source::Source;
 use codes::{

@@ -1,4 +1,4 @@
-// The steps of photons: those of `propagate.rs`, operation by operation. A photon that needs anything else, or whose next step is
+// The steps of photons: those of `batch.rs`, operation by operation. A photon that needs anything else, or whose next step is
 // in doubt, is handed back to the CPU in the state before that step.
 
 // 11 numbers of each photon: position, direction, polarisation, energy, time
