@@ -29,12 +29,15 @@ struct Limits {
     edges: usize,
     /// Cells with up to this number of edges are not divided further.
     few: usize,
+    /// Cells with a longer piece are divided even if most edges pass through both parts. The depth of a formula grows with the number
+    /// of edges of a piece in the worst case, teeth on the outside of an arc; the number of pieces does not matter.
+    piece: usize,
     /// Division stops when the number of edges in all cells together exceeds this multiple of the number of edges: long edges close
     /// to each other pass through many cells.
     copies: usize,
 }
 
-const LIMITS: Limits = Limits { edges: MAX_EDGES, few: 8, copies: 6 };
+const LIMITS: Limits = Limits { edges: MAX_EDGES, few: 8, piece: 16, copies: 6 };
 
 /// Cells without a valid formula are divided up to this multiple of the number of edges.
 const MAX_COPIES: usize = 64;
@@ -147,12 +150,14 @@ impl Polygons {
         while let Some((count, index)) = open.pop() {
             let cell = &cells[index];
             let is_full = count <= limits.few || copies > limits.copies * n;
-            let crossed = self.pieces(&cell.edges, [cell.lo, cell.hi]).iter().find_map(Piece::crossed_ends);
-            let cut = match crossed {
+            let pieces = self.pieces(&cell.edges, [cell.lo, cell.hi]);
+            let long = pieces.iter().map(|piece| piece.chain.edges.len()).filter(|&own| own > limits.piece);
+            let has_long = 2 * long.sum::<usize>() > count;
+            let cut = match pieces.iter().find_map(Piece::crossed_ends) {
                 Some(_) if copies > MAX_COPIES * n => return None,
                 Some(ends) => Some(between(ends)),
                 None if is_full => None,
-                None => self.empty_part(cell).or_else(|| self.best_cut(cell)),
+                None => self.empty_part(cell).or_else(|| self.best_cut(cell, has_long)),
             };
             let Some((axis, at)) = cut else { continue };
             let [below, above] = self.divided(cell, axis, at);
@@ -229,8 +234,9 @@ impl Polygons {
         best.map(|(_, cut)| cut)
     }
 
-    /// The cut through the median of the edges that leaves the fewest edges in the larger part; `None` if no cut leaves much fewer.
-    fn best_cut(&self, cell: &Cell) -> Option<(usize, f64)> {
+    /// The cut through the median of the edges that leaves the fewest edges in the larger part; `None` if no cut leaves much fewer,
+    /// unless the cell has a long piece.
+    fn best_cut(&self, cell: &Cell, has_long: bool) -> Option<(usize, f64)> {
         let mut best: Option<(usize, (usize, f64))> = None;
         for axis in 0..2 {
             let Some(at) = self.median(cell, axis) else { continue };
@@ -241,7 +247,8 @@ impl Polygons {
                 counts[1] += usize::from(a.max(b) >= at);
             }
             let larger = counts[0].max(counts[1]);
-            let is_worth_it = 4 * larger <= 3 * cell.edges.len();
+            // edges on both sides of a cut with all edges on one side add to the copies, which are limited
+            let is_worth_it = 4 * larger <= 3 * cell.edges.len() || has_long && counts[0].min(counts[1]) > 0;
             if is_worth_it && best.is_none_or(|(least, _)| larger < least) {
                 best = Some((larger, (axis, at)));
             }
@@ -502,7 +509,7 @@ mod tests {
             let polygons = polygons(contours);
             let [lo, hi] = polygons.corner_bounds();
             for few in [0, 3, 8, 40] {
-                let limits = Limits { edges: 0, few, copies: if few == 0 { 30 } else { 6 } };
+                let limits = Limits { edges: 0, few, piece: few, copies: if few == 0 { 30 } else { 6 } };
                 let mut coordinate = |k: usize| {
                     let x = rng.random_range((lo[k] - 9.0) * 7.0..(hi[k] + 9.0) * 7.0) as i64;
                     if x % 7 == 0 { x + 1 } else { x }
@@ -515,6 +522,30 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Long teeth on an arc: cells with both their tips and their bases would have pieces of hundreds of edges, whose formulas are as
+    /// deep as they are long.
+    #[test]
+    fn formulas_of_teeth_are_shallow() {
+        let count = 3000;
+        let tooth = |k: usize| {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * k as f64 / count as f64);
+            [cos, sin].map(|x| if k % 2 == 0 { 10.0 * x } else { 20.0 * x })
+        };
+        let polygons =
+            from_polygons(&[(0..count).map(tooth).collect::<Vec<Point>>()], Side::Outside).unwrap();
+        let depths = |cell: &Cell| -> Vec<u32> {
+            let joined =
+                |_, parts: Vec<Vec<u32>>| parts.into_iter().flatten().map(|depth| depth + 1).collect();
+            match polygons.formula_in(cell, &mut |_, _| vec![0], &mut { joined }) {
+                Part::Formula(depths) => depths,
+                Part::Constant(_) => Vec::new(),
+            }
+        };
+        let all: Vec<u32> = polygons.cells(&LIMITS).unwrap().iter().flat_map(depths).collect();
+        let mean = f64::from(all.iter().sum::<u32>()) / all.len() as f64;
+        assert!(all.len() <= 7 * count && mean < 4.0, "{} half-planes below {mean} operators", all.len());
     }
 
     /// Cells have few edges, and edges are in few cells.
