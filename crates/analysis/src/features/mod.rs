@@ -12,6 +12,6 @@ mod spans;
 mod tests;
 
 pub use cylinders::{CylindricalFace, CylindricalFaces, cylindrical_faces};
-pub(crate) use extent::extent_of;
 pub use extent::{Extent, extent};
+pub(crate) use extent::{MOST_REACHED, extent_of};
 pub use polygons::{AxialFeatures, PolygonalFace, axial_features, sides_of_rectangle};

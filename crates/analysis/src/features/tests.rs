@@ -1,10 +1,13 @@
 //! Extents and cylinders by closed forms.
 
 use super::*;
+use crate::counted::Counted;
 use crate::section::SectionRun;
 use rayweave_math::Vec3;
+use rayweave_model::Evaluator;
 use rayweave_scene::Compiled;
 use rayweave_trace::AnyEvaluator;
+use std::f64::consts::TAU;
 
 fn evaluator(text: &str) -> AnyEvaluator {
     let (_, scene) = rayweave_scene::parse(&format!("rayweave = 1\n{text}")).unwrap();
@@ -167,6 +170,29 @@ fn extents_are_those_of_the_model_not_of_its_box() {
     let turned = "[solid.a]\nbox = { size = 2 }\ntransform = [{ rotate_z = 45 }]";
     assert!((extent(&evaluator(turned)).unwrap().bounds.hi.x - 2f64.sqrt()).abs() < 1e-9);
     assert_eq!(extent(&evaluator("[solid.rod]\ncylinder = { radius = 3 }")), None);
+}
+
+/// Rays along x and y through a star of 2,000 corners reach hundreds of edges each: there are fewer of them.
+#[test]
+fn extents_of_many_shapes_take_limited_work() {
+    let corner = |k: u32| {
+        let (sin, cos) = (TAU * f64::from(k) / 2000.0).sin_cos();
+        let radius = if k % 2 == 0 { 20.0 } else { 10.0 };
+        format!("[{:.9}, {:.9}]", radius * cos, radius * sin)
+    };
+    let outline = (0..2000).map(corner).collect::<Vec<_>>().join(", ");
+    let text = format!("rayweave = 1\n[solid.a]\nextrude = {{ outline = [{outline}], height = 1 }}");
+    let (_, scene) = rayweave_scene::parse(&text).unwrap();
+    let counted = Counted::new(Compiled::new(&scene).unwrap().program);
+    let bounds = extent(&counted).unwrap().bounds;
+    let far = (bounds.hi.max(-bounds.lo) - Vec3::new(20.0, 20.0, 0.0)).abs();
+    assert!(far.x < 0.4 && far.y < 0.4 && bounds.lo.z == 0.0 && bounds.hi.z == 1.0, "{bounds:?}");
+    let program = counted.program();
+    let load = program.ray_load().along_axes(&program.bounds());
+    let [rays, _] = counted.take();
+    // 4096 are along z, and as many along x and y, with thousands beside the farthest ones, if there is no limit
+    let across = (rays - 4096) as f64;
+    assert!(load[0] > 300.0 && across * load[0] <= MOST_REACHED as f64, "{rays} rays, {load:?}");
 }
 
 /// A pocket with six sides around a hole, a rectangular hole at an angle, a hole with 30 sides, a boss with five sides, and a step.

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::AnalysisError;
 use crate::error::maker;
-use crate::features::extent_of;
+use crate::features::{MOST_REACHED, extent_of};
 use crate::subject::subject;
 use rayweave_error::Classified;
 use rayweave_math::Bounds;
@@ -148,7 +148,10 @@ fn measured_scene<E: Evaluator, X: Classified + Send + Sync + 'static>(
     let program = Arc::new(Program::compile_regions(&one_medium_each(&regions))?);
     let evaluator = maker(make)(program.clone())?;
     let found = measured(&evaluator)?;
-    let boxes = program.region_bounds();
+    let (boxes, load) = (program.region_bounds(), program.ray_load());
+    // the extents of all regions together
+    let most_reached = settings.most_reached.map_or(u64::MAX, |most| most.min(MOST_REACHED));
+    let each = most_reached / regions.len().max(1) as u64;
     let reports = found.regions.into_iter().enumerate().map(|(k, measured)| {
         let is_alone = (0..regions.len()).all(|j| j == k || boxes[j].intersection(&boxes[k]).is_empty());
         let exact_volume = exact_volume(&regions[k].solid).filter(|_| is_alone && settings.within.is_none());
@@ -158,7 +161,8 @@ fn measured_scene<E: Evaluator, X: Classified + Send + Sync + 'static>(
         let mass = density.map(|density| grams(measured.volume, density, centimetres));
         let has_box = regions.len() <= MAX_BOXES && settings.within.is_none();
         let own = RegionId::from(k + 1);
-        let bounds = has_box.then(|| extent_of(&evaluator, boxes[k], &|region| region == own)).flatten();
+        let extent = || extent_of(&evaluator, boxes[k], &|region| region == own, (&load, each));
+        let bounds = has_box.then(extent).flatten();
         RegionReport {
             exact_volume,
             mass,
