@@ -536,9 +536,10 @@ mod tests {
         let polygons =
             from_polygons(&[(0..count).map(tooth).collect::<Vec<Point>>()], Side::Outside).unwrap();
         let depths = |cell: &Cell| -> Vec<u32> {
-            let joined =
-                |_, parts: Vec<Vec<u32>>| parts.into_iter().flatten().map(|depth| depth + 1).collect();
-            match polygons.formula_in(cell, &mut |_, _| vec![0], &mut { joined }) {
+            let mut joined = |_: Operator, parts: Vec<Vec<u32>>| -> Vec<u32> {
+                parts.into_iter().flatten().map(|depth| depth + 1).collect()
+            };
+            match polygons.formula_in(cell, &mut |_: &Chain, _: usize| vec![0], &mut joined) {
                 Part::Formula(depths) => depths,
                 Part::Constant(_) => Vec::new(),
             }
