@@ -189,6 +189,10 @@ mod tests {
             if k % 2 == 0 { all | own } else { all & own }
         });
         assert!((work(&chain) - (1.0 + 560.0 / 33.0 / 16.0)).abs() < 1e-9, "{}", work(&chain));
+        // a parity gate counts as 20 gates
+        let odd =
+            Solid::symmetric_difference((0..3).map(|k| cube().translate([0.1 * f64::from(k), 0.0, 0.0])));
+        assert!((work(&odd) - (1.0 + 20.0 / 16.0)).abs() < 1e-9, "{}", work(&odd));
     }
 
     #[test]

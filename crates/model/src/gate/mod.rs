@@ -24,6 +24,11 @@ pub use output_set::OutputSet;
 const DEEP: u64 = 64;
 const DEEPEST: u64 = 1024;
 
+/// The number of other gates whose updates take as long as the changes that a parity gate passes on: it passes on every change, of each
+/// of its operands, and most other gates few. Measured: a volume of a star of 10,000 corners, whose cells have parity gates, takes 2.4
+/// to 2.8 times as long for each leaf that a ray reaches as one of a union of 5,000 balls.
+const PARITY: u64 = 20;
+
 /// A boolean network over the leaves of a group, with one or more outputs.
 #[derive(Clone, Debug)]
 pub struct Network {
@@ -145,11 +150,13 @@ impl Network {
         self.rules.len()
     }
 
-    /// The mean number of gates above a leaf, which a change of it may update; of several users of a node, the first counts.
+    /// The mean number of gates above a leaf, which a change of it may update; of several users of a node, the first counts. A parity
+    /// gate counts as 20 gates, since it passes on every change.
     ///
     /// Computed on each call, in time linear in the size of the network.
     pub fn mean_depth(&self) -> f64 {
-        let leaves = gates_above(&self.users, self.leaf_count as usize, self.rules.len());
+        let weight = |gate: usize| if self.rules[gate] == Rule::Odd { PARITY } else { 1 };
+        let leaves = gates_above(&self.users, self.leaf_count as usize, self.rules.len(), weight);
         leaves.iter().sum::<u64>() as f64 / (leaves.len() as f64).max(1.0)
     }
 
@@ -246,12 +253,18 @@ impl Network {
     }
 }
 
-/// The number of gates above each leaf, by the first user of each node.
-fn gates_above(users: &Users, leaf_count: usize, gate_count: usize) -> Vec<u64> {
+/// The number of gates above each leaf, by the first user of each node, each gate with its weight.
+fn gates_above(
+    users: &Users,
+    leaf_count: usize,
+    gate_count: usize,
+    weight: impl Fn(usize) -> u64,
+) -> Vec<u64> {
     let mut above = vec![0u64; leaf_count + gate_count];
     // users have higher numbers
     for node in (0..above.len()).rev() {
-        above[node] = users.of(node as u32).first().map_or(0, |user| above[(user >> 1) as usize] + 1);
+        let user = users.of(node as u32).first().map(|user| (user >> 1) as usize);
+        above[node] = user.map_or(0, |user| above[user] + weight(user - leaf_count));
     }
     above.truncate(leaf_count);
     above
@@ -353,7 +366,7 @@ impl<'e> Builder<'e> {
 
     /// True if a tree has so many gates above its leaves that heavy paths are faster than counters.
     fn is_deep(&self, users: &Users) -> bool {
-        let leaves = gates_above(users, self.leaf_count as usize, self.gates.len());
+        let leaves = gates_above(users, self.leaf_count as usize, self.gates.len(), |_| 1);
         let all: u64 = leaves.iter().sum();
         all > DEEP * leaves.len() as u64 || leaves.iter().any(|&count| count > DEEPEST)
     }
