@@ -241,6 +241,23 @@ fn notches_do_not_touch_themselves() {
     }
 }
 
+/// The sides of two teeth meet in an edge: the chords beside it, as short as rounding, are no gaps.
+#[test]
+fn edges_between_teeth_are_no_gaps() {
+    let corner = |k: u32| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 400.0).sin_cos();
+        let radius = if k % 2 == 0 { 20.0 } else { 10.0 };
+        format!("[{:.6}, {:.6}]", radius * cos, radius * sin)
+    };
+    let outline = (0..400).map(corner).collect::<Vec<_>>().join(", ");
+    let star = format!(
+        "[solid.star]\nextrude = {{ outline = [{outline}], height = 1 }}\n[[region]]\nsolid = \"star\""
+    );
+    let report = checked(&star, &CheckSettings { gap: Some(1e-3), ..CheckSettings::default() });
+    let gaps = sizes(&report, FindingKind::Gap);
+    assert!(gaps.iter().all(|size| *size > 1e-11), "{gaps:?}");
+}
+
 /// Walls and gaps of exactly the limit are not below it, wherever the part lies; a billionth above, they are.
 #[test]
 fn widths_equal_to_the_limit_are_not_below_it() {

@@ -31,12 +31,22 @@ const MAX_CANDIDATES: usize = 200_000;
 const WORK_OF_PAIR: u64 = 8;
 const WORK_OF_POINT: f64 = 0.125;
 
+/// The distance of points beside an edge or corner whose regions decide, relative to the diagonal of the model. Edges are exact to 256 u
+/// times the lengths involved, some 1e-13, and sectors have a sine of 0.05 or more, of which the points are in the middle: rounding does
+/// not matter, and parts of the model down to 1/10,000,000 of its size do.
+const ASIDE: f64 = 1e-7;
+
 /// Faces that meet at a smaller angle form no edge: the chords between faces find walls there. It is larger for meshes, which
 /// approximate curved faces by triangles.
 const LEAST_SINE: f64 = 0.05;
 const LEAST_SINE_OF_MESH: f64 = 0.35;
 
-/// A face: leaf, placement and number within the leaf; of meshes also the plane of the triangle, in units of 1e-4.
+/// The number of steps per unit of the normals and relative distances of planes by which triangles of a mesh belong to one face. Files
+/// of meshes have coordinates in single precision, with relative errors of 2^-24 = 6e-8: the normal of a triangle with a height of 1/1000
+/// of the size of the model is uncertain by 2 * 6e-8 * 1000, about one step. Smaller triangles of one face may count as several faces.
+const STEPS_OF_PLANES: f64 = 1e4;
+
+/// A face: leaf, placement and number within the leaf; of meshes also the plane of the triangle, in steps of [`STEPS_OF_PLANES`].
 pub(super) type FaceKey = (LeafId, PlacementId, u32, [i32; 4]);
 
 /// A point where a ray hit a face.
@@ -132,10 +142,10 @@ fn key(hit: &Hit, grid: &Grid, program: &Program) -> FaceKey {
         true => {
             // both senses of the normal describe the same plane
             let [x, y, z] = hit.normal.to_array();
-            let first = [x, y, z].into_iter().find(|x| x.abs() > 1e-3).unwrap_or(1.0);
+            let first = [x, y, z].into_iter().find(|x| x.abs() > 10.0 / STEPS_OF_PLANES).unwrap_or(1.0);
             let normal = hit.normal * first.signum();
             let offset = normal.dot(hit.point - grid.bounds.lo) / grid.diagonal.max(f64::MIN_POSITIVE);
-            [normal.x, normal.y, normal.z, offset].map(|x| (1e4 * x).round() as i32)
+            [normal.x, normal.y, normal.z, offset].map(|x| (STEPS_OF_PLANES * x).round() as i32)
         }
         false => [0; 4],
     };
@@ -363,7 +373,7 @@ pub(super) fn features<E: Evaluator>(
         }
     }
     candidates.extend(cones.into_iter().filter_map(|number| apex(surfaces, number, grid)));
-    (pointing(evaluator, candidates, 1e-7 * grid.diagonal, scratch), left_out)
+    (pointing(evaluator, candidates, ASIDE * grid.diagonal, scratch), left_out)
 }
 
 /// The common point of two or three surfaces that is nearest to the middle of a cell, if it is in the cell or next to it.

@@ -381,6 +381,10 @@ fn gaps<E: Evaluator>(
                     continue;
                 }
             }
+            // as for walls; contacts are found above
+            if pair[0] == pair[1] && search.is_edge(evaluator, &across, &mut scratch) {
+                continue;
+            }
             let better = place.filter(|(place, _)| place.distance > place.tolerance);
             let better = better.map(|(place, _)| Place::of_faces(&across).with_chord(place.chord()));
             let own = Place::of_faces(&across);

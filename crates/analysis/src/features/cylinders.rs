@@ -75,13 +75,26 @@ impl CylindricalFaces {
 /// The number of lines along a cylinder, each a pair inside and outside of it.
 const LINES: usize = 24;
 
-/// The distance of the lines from the cylinder in radii, and the least one relative to the size of the model: far above rounding, and
-/// far below the digits of drawings.
+/// The distance of the lines from the cylinder in radii: the square root of the unit roundoff u = 1.1e-16. A distance d has the relative
+/// error u / d by rounding of the radius, and lines end off the ends of the face by d times the slope there; both are equal at this d.
 const OFFSET: f64 = 1e-8;
+
+/// The least distance relative to the size of the model. A line counts as in the surface up to 64 u times the lengths involved, its
+/// origin, its length and the position of the surface, which are at most five sizes together: 4e-14, far below this distance.
 const LEAST_OFFSET: f64 = 1e-11;
 
-/// Shorter pieces than this, in radii, result from the distance of the lines at slanted ends.
+/// Shorter pieces than this, in radii, result from the distance of the lines. At an end with slope s they are 2 `OFFSET` s long; at a
+/// tangent rounding of half the radius r, sqrt(2 (r/2) `OFFSET` r), which is the square root of `OFFSET`.
 const SHORT: f64 = 1e-4;
+
+/// The difference of ends of faces that are the same, relative to the size of the model. Both ends are off by the distance of the lines
+/// times the slope at the end, and the radius is at most half the size: at ten times [`OFFSET`], slopes up to 10 are covered.
+const SAME: f64 = 1e-7;
+
+/// The difference of positions along the axis, in radii, that counts as rounding, here of planes across the axis. Positions are exact to
+/// 64 u times five sizes, 4e-14 of the size: the radius is larger than 4e-5 of it. Lines are 1/100 of a radius apart or more, so that
+/// planes tilted by less than 1e-7 count as perpendicular to the axis.
+const FLAT: f64 = 1e-9;
 
 /// Finds the cylindrical faces of a bounded model. Cylinders that a transform has made elliptic are not included.
 ///
@@ -122,7 +135,7 @@ pub fn cylindrical_faces<E: Evaluator>(evaluator: &E) -> CylindricalFaces {
     let mut cylinders: Vec<Cylinder> = cylinders.collect();
     let left_out = cylinders.len().saturating_sub(CylindricalFaces::MAX_CYLINDERS);
     cylinders.truncate(CylindricalFaces::MAX_CYLINDERS);
-    let tolerance = 1e-7 * bounds.size().max_element();
+    let tolerance = SAME * bounds.size().max_element();
     let (mut faces, mut scratch): (Vec<CylindricalFace>, _) = (Vec::new(), evaluator.scratch());
     for cylinder in &cylinders {
         let lines = Lines::new(evaluator, cylinder, &bounds, &mut scratch);
@@ -350,7 +363,7 @@ impl<'a> Lines<'a> {
         let exits: Vec<Option<f64>> =
             self.spans(evaluator, &places, scratch).iter().map(exit).take_while(Option::is_some).collect();
         let exits: Vec<f64> = exits.into_iter().flatten().collect();
-        let is_flat = |pair: &&[f64]| (pair[1] - pair[0]).abs() < 1e-9 * radius;
+        let is_flat = |pair: &&[f64]| (pair[1] - pair[0]).abs() < FLAT * radius;
         let flat = exits.windows(2).find(is_flat).map(|pair| pair[0]);
         flat.filter(|flat| sign * (flat - end) > 0.0).unwrap_or(end)
     }
@@ -369,7 +382,7 @@ impl<'a> Lines<'a> {
         const STEPS: usize = 100;
         let radius = self.cylinder.radius;
         let step = radius / STEPS as f64;
-        let rounding = 1e-9 * radius;
+        let rounding = FLAT * radius;
         let within = end - sign * SHORT * radius;
         let places: Vec<(usize, f64)> = (1..STEPS).map(|k| (line, radius - step * k as f64)).collect();
         let (mut last, mut rise) = (end, f64::INFINITY);
