@@ -658,6 +658,9 @@ def question_cases():
             points = [(radius(k) * x, radius(k) * y) for k, (x, y) in ((k, angle(k, n)) for k in range(n))]
             ask(f"extruded {shape} of {n} corners", "m.toml", outline("extrude", points, ", height = 1"))
             ask(f"revolved {shape} of {n} corners", "m.toml", outline("revolve", [(x + 30, y) for x, y in points], ""))
+    points = [(shapes["star"](k) * x, shapes["star"](k) * y) for k, (x, y) in ((k, angle(k, 10_000)) for k in range(10_000))]
+    ask("extruded star of 10000 corners", "m.toml", outline("extrude", points, ", height = 1"), ("section", "volume", "check"))
+    ask("revolved star of 10000 corners", "m.toml", outline("revolve", [(x + 30, y) for x, y in points], ""), ("section", "volume", "check"))
     teeth = [(0, -1)] + [(1 + k % 2 * 0.5, k) for k in range(15_000)] + [(0, 15_000)]
     ask("revolved saw of 15000 corners", "m.toml", outline("revolve", teeth, ""))
     place = lambda: f"[{random.uniform(-5, 5):.3f}, {random.uniform(-5, 5):.3f}, {random.uniform(-5, 5):.3f}]"
