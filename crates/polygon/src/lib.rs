@@ -36,7 +36,9 @@ mod sweep;
 pub use error::{ContourEdge, LineError, PolygonError};
 pub use formula::{HalfPlane, Operator};
 pub use line::Scan;
-pub use outline::{Corner, Outline, OutlineError, Rim, Vertex, is_outline_part, near_cylinder};
+pub use outline::{
+    Corner, Outline, OutlineError, Rim, Vertex, is_outline_cell, is_outline_part, near_cylinder,
+};
 pub use point::Point;
 
 use nest::{Nesting, nest};

@@ -10,14 +10,14 @@ use rayweave_shape::surface::Surface;
 const LONG: usize = 32;
 
 /// The number of crossings that are compared to find where two scan lines agree again.
-const AHEAD: usize = 8;
+const AHEAD: usize = 64;
 
 /// The distance of crossings that are not welded, and the largest distance of scan lines from a corner, relative to the coordinates.
 const WELDED: f64 = 4096.0 * UNIT_ROUNDOFF;
 const FARTHEST: f64 = 1e-9;
 
 /// The most corners for each gap; further ones are found in the gaps between them.
-const MAX_CORNERS: usize = 256;
+pub const MAX_CORNERS: usize = 256;
 
 /// The most steps of Newton's method to the common point of two curves, each of which doubles the number of correct digits.
 const STEPS: usize = 12;
@@ -32,29 +32,32 @@ pub struct Corners<'a> {
     pub size: f64,
 }
 
+/// A corner.
+#[derive(Clone, Copy, Debug)]
+pub struct Corner {
+    /// Coordinates across the scan lines on both sides of it.
+    pub between: [f64; 2],
+    /// The coordinate along the scan lines.
+    pub v: f64,
+    /// The largest distance along the scan lines of the faces from the corner between these sides, with rounding.
+    pub reach: f64,
+}
+
 /// The intersection `a u + b v = c` of a flat face with the plane of the section.
-type Line = [f64; 3];
+pub type Line = [f64; 3];
 
 impl Corners<'_> {
     /// Positions on both sides of each corner at which faces of two scan lines meet, in ascending order. They divide the gap between
     /// the scan lines into narrow gaps around the corners and wide ones between them. A corner may be missing, or a position may have
     /// no corner.
     pub fn between(&self, left: &ScanLine, right: &ScanLine) -> Vec<f64> {
-        if left.passes.len() + right.passes.len() < LONG || right.u - left.u < 64.0 * self.narrow {
-            return Vec::new();
-        }
-        let mut found = Vec::new();
-        for [a, b] in differences(&left.passes, &right.passes) {
-            let meeting = |pair: &[ScanCrossing]| [pair[0], pair[1]];
-            let ends = a.iter().zip(b).chain(a.iter().rev().zip(b.iter().rev()));
-            let pairs = a.windows(2).map(meeting).chain(b.windows(2).map(meeting));
-            let pairs = pairs.chain(ends.map(|(a, b)| [*a, *b]));
-            let middle = 0.5 * (left.u + right.u);
-            found.extend(pairs.filter_map(|[a, b]| {
-                self.corner(a.face?, b.face?)
-                    .or_else(|| self.curved_corner(a.face?, b.face?, [middle, 0.5 * (a.v + b.v)]))
-            }));
-        }
+        let middle = 0.5 * (left.u + right.u);
+        let corner = |[a, b]: [ScanCrossing; 2]| {
+            let flat = self.corner(a.face?, b.face?).map(|corner| corner.between);
+            flat.or_else(|| self.curved_corner(a.face?, b.face?, [middle, 0.5 * (a.v + b.v)]))
+        };
+        let mut found: Vec<[f64; 2]> =
+            self.meeting(left, right).into_iter().flatten().filter_map(corner).collect();
         found.retain(|[from, to]| left.u < *from && *to < right.u);
         found.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let mut apart: Vec<[f64; 2]> = Vec::new();
@@ -68,15 +71,46 @@ impl Corners<'_> {
         apart.into_flattened()
     }
 
-    /// The coordinates across the scan lines on both sides of the corner of two flat faces, far enough from it for crossings that
-    /// rounding does not weld.
-    fn corner(&self, one: Face, two: Face) -> Option<[f64; 2]> {
+    /// The corners of flat faces between two scan lines, in ascending order; `None` for short scan lines, which are halved at little
+    /// cost.
+    pub fn of_flat_faces(&self, left: &ScanLine, right: &ScanLine) -> Option<Vec<Corner>> {
+        let pairs = self.meeting(left, right)?;
+        let corner = |[a, b]: [ScanCrossing; 2]| self.corner(a.face?, b.face?);
+        let mut found: Vec<Corner> = pairs.into_iter().filter_map(corner).collect();
+        found.retain(|corner| left.u < corner.between[0] && corner.between[1] < right.u);
+        found.sort_by(|a, b| a.between[0].total_cmp(&b.between[0]));
+        Some(found)
+    }
+
+    /// The pairs of crossings whose faces may meet between two scan lines; `None` for short scan lines and narrow gaps.
+    fn meeting(&self, left: &ScanLine, right: &ScanLine) -> Option<Vec<[ScanCrossing; 2]>> {
+        if left.passes.len() + right.passes.len() < LONG || right.u - left.u < 64.0 * self.narrow {
+            return None;
+        }
+        let mut found = Vec::new();
+        for [a, b] in differences(&left.passes, &right.passes) {
+            let meeting = |pair: &[ScanCrossing]| [pair[0], pair[1]];
+            let ends = a.iter().zip(b).chain(a.iter().rev().zip(b.iter().rev()));
+            let pairs = a.windows(2).map(meeting).chain(b.windows(2).map(meeting));
+            found.extend(pairs.chain(ends.map(|(a, b)| [*a, *b])));
+        }
+        Some(found)
+    }
+
+    /// The corner of two flat faces, with positions far enough from it for crossings that rounding does not weld.
+    fn corner(&self, one: Face, two: Face) -> Option<Corner> {
         let [[a, b, c], [d, e, f]] = [self.line(one)?, self.line(two)?];
         let determinant = a * e - b * d;
-        let u = (c * e - b * f) / determinant;
+        let [u, v] = [(c * e - b * f) / determinant, (a * f - c * d) / determinant];
         let apart = determinant / (b * e);
         let aside = self.narrow.max(WELDED * self.size / apart.abs());
-        (u.is_finite() && aside <= FARTHEST * self.size).then_some([u - aside, u + aside])
+        // the faces are at most as far along the scan lines as the steeper one rises, apart from rounding
+        let reach = (a / b).abs().max((d / e).abs()) * aside + WELDED * self.size;
+        (u.is_finite() && aside <= FARTHEST * self.size).then_some(Corner {
+            between: [u - aside, u + aside],
+            v,
+            reach,
+        })
     }
 
     /// Like [`corner`](Self::corner) of faces that are not both flat: the common point of their curves that Newton's method reaches from
@@ -117,7 +151,8 @@ impl Corners<'_> {
         (!matches!(surface, Surface::Object(_))).then_some((surface, map.inverse().ok()?))
     }
 
-    fn line(&self, face: Face) -> Option<Line> {
+    /// The line of a flat face.
+    pub fn line(&self, face: Face) -> Option<Line> {
         let own = &self.program.surface(face.surface).surface;
         let map = self.program.placement(face.placement).0;
         let Surface::Plane(plane) = own.transformed(&Transform::from_affine(map).ok()?) else { return None };

@@ -1,5 +1,6 @@
 //! Linking of scan lines to edges, and of edges to contours.
 
+use super::corner_steps::CornerStep;
 use super::scan_line::{ScanCrossing, ScanLine};
 use super::{SectionEdge, SectionWindow};
 use rayweave_model::RegionId;
@@ -36,26 +37,57 @@ impl Lines {
     pub fn jump(&mut self, scan_line: &ScanLine, edges: &mut Vec<SectionEdge>) {
         let u = if self.is_begun { 0.5 * (self.last.u + scan_line.u) } else { self.ends[0] };
         self.is_begun = true;
-        let (mut left, mut right) = (self.last.passes.clone(), scan_line.passes.clone());
+        let (open, last) = (std::mem::take(&mut self.open), std::mem::take(&mut self.last));
+        self.open = self.joined(open, [&last.passes, &scan_line.passes], (u, RegionId(0)), edges);
+        for (line, pass) in self.open.iter_mut().zip(&scan_line.passes) {
+            line.push([scan_line.u, pass.v]);
+        }
+        self.last = scan_line.clone();
+    }
+
+    /// Extends the lines at a corner.
+    pub fn corner(&mut self, step: &CornerStep, edges: &mut Vec<SectionEdge>) {
+        let [before, after] = &step.sides;
+        let range = step.first..step.first + before.passes.len();
+        let Some(own) = self.open.get_mut(range.clone()) else { return };
+        let mut own: Vec<Vec<[f64; 2]>> = own.iter_mut().map(std::mem::take).collect();
+        for (line, pass) in own.iter_mut().zip(&before.passes) {
+            line.push([before.u, pass.v]);
+        }
+        let u = 0.5 * (before.u + after.u);
+        let mut next = self.joined(own, [&before.passes, &after.passes], (u, step.below), edges);
+        for (line, pass) in next.iter_mut().zip(&after.passes) {
+            line.push([after.u, pass.v]);
+        }
+        self.open.splice(range, next);
+    }
+
+    /// The lines after `u`, from the open ones before it; `below` is the region below all of them. Lines that do not continue end or
+    /// begin at a wall.
+    fn joined(
+        &self,
+        mut open: Vec<Vec<[f64; 2]>>,
+        [left, right]: [&[ScanCrossing]; 2],
+        (u, below): (f64, RegionId),
+        edges: &mut Vec<SectionEdge>,
+    ) -> Vec<Vec<[f64; 2]>> {
+        let (mut left, mut right) = (left.to_vec(), right.to_vec());
         let mut next = vec![Vec::new(); right.len()];
         let pairs = self.paired(&left, &right);
         for &(k, j) in &pairs {
             let v = 0.5 * (left[k].v + right[j].v);
             (left[k].v, right[j].v) = (v, v);
-            next[j] = std::mem::take(&mut self.open[k]);
+            next[j] = std::mem::take(&mut open[k]);
             next[j].push([u, v]);
         }
-        for (line, pass) in std::mem::take(&mut self.open).into_iter().zip(&left) {
+        for (line, pass) in open.into_iter().zip(&left) {
             close(line, pass, u, edges);
         }
         for (line, pass) in next.iter_mut().zip(&right).filter(|(line, _)| line.is_empty()) {
             line.push([u, pass.v]);
         }
-        walls(u, &left, &right, edges);
-        for (line, pass) in next.iter_mut().zip(&scan_line.passes) {
-            line.push([scan_line.u, pass.v]);
-        }
-        (self.open, self.last) = (next, scan_line.clone());
+        walls((u, below), &left, &right, edges);
+        next
     }
 
     /// Pairs crossings of two scan lines between the same regions within `reach`, in order: first those through the same surface, then
@@ -84,7 +116,7 @@ impl Lines {
         for (line, pass) in self.open.into_iter().zip(&passes) {
             close(line, pass, u, edges);
         }
-        walls(u, &passes, &[], edges);
+        walls((u, RegionId(0)), &passes, &[], edges);
     }
 }
 
@@ -112,19 +144,24 @@ fn close(mut line: Vec<[f64; 2]>, pass: &ScanCrossing, u: f64, edges: &mut Vec<S
     }
 }
 
-/// The region of a scan line just above a coordinate.
-fn region_above(passes: &[ScanCrossing], v: f64) -> RegionId {
+/// The region of a scan line just above a coordinate; `lowest` is the region below all crossings.
+fn region_above(passes: &[ScanCrossing], v: f64, lowest: RegionId) -> RegionId {
     let below = passes.partition_point(|pass| pass.v <= v);
-    below.checked_sub(1).map_or(RegionId(0), |last| passes[last].after)
+    below.checked_sub(1).map_or(lowest, |last| passes[last].after)
 }
 
-/// Adds edges along the scan lines where the regions of two neighbours differ.
-fn walls(u: f64, left: &[ScanCrossing], right: &[ScanCrossing], edges: &mut Vec<SectionEdge>) {
+/// Adds edges along the scan lines where the regions of two neighbours differ; `lowest` is the region below all crossings.
+fn walls(
+    (u, lowest): (f64, RegionId),
+    left: &[ScanCrossing],
+    right: &[ScanCrossing],
+    edges: &mut Vec<SectionEdge>,
+) {
     let mut ends: Vec<f64> = left.iter().chain(right).map(|pass| pass.v).collect();
     ends.sort_by(f64::total_cmp);
     ends.dedup();
     for pair in ends.windows(2) {
-        let [before, after] = [left, right].map(|passes| region_above(passes, pair[0]));
+        let [before, after] = [left, right].map(|passes| region_above(passes, pair[0], lowest));
         if before != after {
             edges.push(SectionEdge { points: vec![[u, pair[0]], [u, pair[1]]], left: before, right: after });
         }

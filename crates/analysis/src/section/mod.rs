@@ -15,6 +15,7 @@
 //! part that lies between scan lines is missed; such a part is thinner than their spacing and contains neither
 //! ends nor middles of its leaves.
 
+mod corner_steps;
 mod corners;
 mod cut;
 mod edge;
@@ -28,6 +29,7 @@ mod scene;
 mod simplify;
 #[cfg(test)]
 mod tests;
+mod tracer;
 mod window;
 
 pub use cut::Cut;
@@ -96,6 +98,7 @@ pub fn section_with<E: Evaluator>(
     scan_lines.sweep(|step| match step {
         Step::Smooth(column) => lines.go_on(&column, &mut section.edges),
         Step::Jump(column) => lines.jump(&column, &mut section.edges),
+        Step::Corner(corner) => lines.corner(&corner, &mut section.edges),
     })?;
     lines.end(&mut section.edges);
     Ok(section)

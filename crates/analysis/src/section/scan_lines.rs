@@ -1,13 +1,15 @@
 //! Scan lines: the parallel rays that sweep a plane, refined where neighbours differ.
 
+use super::corner_steps::{CornerStep, CornerSteps};
 use super::corners::Corners;
 use super::same_curve::SameCurve;
-use super::scan_line::{ScanCrossing, ScanLine};
+use super::scan_line::ScanLine;
+use super::tracer::ScanLineTracer;
 use super::{Cut, SectionError, SectionRun, SectionWindow};
 use rayweave_model::drive::{Stopped, drive, thread_count};
 use rayweave_model::memory::Growth;
-use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId, Window};
-use rayweave_shape::Ray;
+use rayweave_model::{Evaluator, LeafId};
+use rayweave_polygon::is_outline_cell;
 
 /// A scan line and its relation to the one before.
 pub enum Step {
@@ -15,12 +17,22 @@ pub enum Step {
     Smooth(ScanLine),
     /// The two scan lines may differ, and the gap is not refined further.
     Jump(ScanLine),
+    /// Some crossings change at a corner; all others continue.
+    Corner(CornerStep),
 }
 
 /// A scan line, and the state of the gap after it.
 struct Placed {
     scan_line: ScanLine,
     gap: Gap,
+    /// The corners in a smooth gap.
+    steps: Vec<CornerStep>,
+}
+
+impl Placed {
+    fn new(scan_line: ScanLine, gap: Gap) -> Placed {
+        Placed { scan_line, gap, steps: Vec::new() }
+    }
 }
 
 /// The memory of a scan line in bytes.
@@ -29,7 +41,8 @@ fn memory(scan_line: &ScanLine) -> u64 {
 }
 
 fn size_of_row(row: &[Placed]) -> u64 {
-    row.iter().map(|placed| memory(&placed.scan_line)).sum()
+    let steps = |placed: &Placed| placed.steps.iter().map(CornerStep::bytes).sum::<u64>();
+    row.iter().map(|placed| memory(&placed.scan_line) + steps(placed)).sum()
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -45,8 +58,12 @@ const MAX_COLUMNS: usize = 1 << 20;
 /// The width of gaps with jumps, relative to the largest coordinate across the scan lines.
 const FINEST: f64 = 1e-13;
 
-/// Scan lines per batch.
+/// The width, relative to the distance of the first scan lines, down to which gaps with unexplained corners of flat faces are halved.
+const HALVED: f64 = 1.0 / 32.0;
+
+/// Scan lines per batch, and gaps per task.
 const CHUNK: usize = 1024;
+const GAPS: usize = 32;
 
 /// The memory in bytes from which on a row of scan lines is divided, and the largest number of its scan lines before they are refined.
 const ROW_MEMORY: u64 = 48 << 20;
@@ -91,6 +108,7 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
                 Gap::Smooth => Step::Smooth(placed.scan_line),
                 _ => Step::Jump(placed.scan_line),
             });
+            placed.steps.into_iter().for_each(|step| take(Step::Corner(step)));
         };
         places.reverse();
         let mut waiting: Vec<Vec<Placed>> = Vec::new();
@@ -101,7 +119,7 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
                 None => {
                     let next = places.split_off(places.len().saturating_sub(FIRST_ROW));
                     let next: Vec<f64> = next.into_iter().rev().collect();
-                    let unknown = |scan_line| Placed { scan_line, gap: Gap::Unknown };
+                    let unknown = |scan_line| Placed::new(scan_line, Gap::Unknown);
                     last.take()
                         .into_iter()
                         .chain(self.trace_scan_lines(&next)?.into_iter().map(unknown))
@@ -120,7 +138,7 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
             {
                 let right = row.split_off(row.len() / 2);
                 // the gap between both halves belongs to the left one
-                row.push(Placed { scan_line: right[0].scan_line.clone(), gap: Gap::Unknown });
+                row.push(Placed::new(right[0].scan_line.clone(), Gap::Unknown));
                 waiting.extend([right, row]);
                 continue;
             }
@@ -143,7 +161,7 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         Ok(())
     }
 
-    /// Evenly spaced positions, and the start, middle and end of each leaf.
+    /// Evenly spaced positions, and the start, middle and end of each leaf, except for the cells of outlines.
     fn first_places(&self) -> Vec<f64> {
         let (lo, hi) = (self.window.lo[0], self.window.hi[0]);
         let count = self.window.columns;
@@ -151,7 +169,9 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         let mut places: Vec<f64> = (0..count).map(at).collect();
         let program = self.evaluator.program();
         let model = &program.prototypes()[0];
-        let boxes = model.leaves.clone().map(|leaf| program.leaf_bounds(rayweave_model::LeafId(leaf)));
+        let leaves = model.leaves.clone().map(LeafId);
+        let leaves = leaves.filter(|leaf| !is_outline_cell(&program.leaf(*leaf).name()));
+        let boxes = leaves.map(|leaf| program.leaf_bounds(leaf));
         let is_cut = |bounds: &rayweave_math::Bounds| {
             let [below, above] = self.cut.range(bounds, 2);
             below <= self.window.tolerance && above >= -self.window.tolerance
@@ -167,17 +187,67 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         places
     }
 
-    /// Traces the middle of every undecided gap, or scan lines on both sides of the corners in it; false if there is none.
-    fn halve(&mut self, row: &mut Vec<Placed>) -> Result<bool, SectionError> {
-        let is_open = |pair: &[Placed]| pair[0].gap == Gap::Unknown;
+    /// The search for corners.
+    fn corners(&self) -> Corners<'a> {
         let narrow = self.window.tolerance.min(self.finest);
         let size = [self.window.lo, self.window.hi]
             .as_flattened()
             .iter()
             .fold(0.0, |size: f64, x| size.max(x.abs()));
-        let corners = Corners { program: self.evaluator.program(), cut: self.cut, narrow, size };
+        Corners { program: self.evaluator.program(), cut: self.cut, narrow, size }
+    }
+
+    /// The search for steps over corners.
+    fn steps(&self) -> CornerSteps<'a, E> {
+        CornerSteps {
+            corners: self.corners(),
+            tracer: ScanLineTracer::new(self.evaluator, self.cut, self.window),
+            sampled: 0.5 * (self.window.hi[0] - self.window.lo[0]) / f64::from(self.window.columns),
+        }
+    }
+
+    /// Closes the undecided gaps in which corners of flat faces are the only difference.
+    fn step_over_corners(&mut self, row: &mut [Placed]) -> Result<(), SectionError> {
+        let (evaluator, run, search) = (self.evaluator, self.run, self.steps());
+        let open = |k: &usize| row[*k].gap == Gap::Unknown && search.may_step(&row[*k].scan_line);
+        let gaps: Vec<usize> = (0..row.len().saturating_sub(1)).filter(open).collect();
+        if gaps.is_empty() {
+            return Ok(());
+        }
+        let mut found: Vec<(usize, Vec<CornerStep>)> = Vec::new();
+        let work = |scratch: &mut E::Scratch, gaps: &[usize]| -> Vec<(usize, Vec<CornerStep>)> {
+            let steps =
+                |&k: &usize| Some((k, search.between(&row[k].scan_line, &row[k + 1].scan_line, scratch)?));
+            gaps.iter().filter_map(steps).collect()
+        };
+        let merge = |steps: Vec<(usize, Vec<CornerStep>)>| {
+            found.extend(steps);
+            Ok::<(), SectionError>(())
+        };
+        let (threads, tasks) = (thread_count(run.threads), gaps.chunks(GAPS));
+        drive(threads, &run.cancel, tasks, || evaluator.scratch(), work, merge).map_err(|stopped| {
+            match stopped {
+                Stopped::Cancelled => SectionError::Cancelled,
+                Stopped::Failed(error) => error,
+            }
+        })?;
+        for (k, steps) in found {
+            (row[k].gap, row[k].steps) = (Gap::Smooth, steps);
+        }
+        Ok(())
+    }
+
+    /// Traces the middle of every undecided gap, or scan lines on both sides of the corners in it; false if there is none.
+    fn halve(&mut self, row: &mut Vec<Placed>) -> Result<bool, SectionError> {
+        self.step_over_corners(row)?;
+        let is_open = |pair: &[Placed]| pair[0].gap == Gap::Unknown;
+        let (corners, steps) = (self.corners(), self.steps());
+        // corners that explain no step so far may do so between nearer scan lines
+        let halved = HALVED * (self.window.hi[0] - self.window.lo[0]) / f64::from(self.window.columns);
         let within = |pair: &[Placed]| {
-            let corners = corners.between(&pair[0].scan_line, &pair[1].scan_line);
+            let [left, right] = [&pair[0].scan_line, &pair[1].scan_line];
+            let is_halved = right.u - left.u > halved && steps.may_step(left) && steps.may_step(right);
+            let corners = if is_halved { Vec::new() } else { corners.between(left, right) };
             match corners.is_empty() {
                 true => vec![0.5 * (pair[0].scan_line.u + pair[1].scan_line.u)],
                 false => corners,
@@ -203,7 +273,7 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
                 // pairs of scan lines, one on each side of a corner
                 for (k, scan_line) in traced.by_ref().take(places.len()).enumerate() {
                     let gap = if k % 2 == 0 { Gap::Jump } else { Gap::Unknown };
-                    row.push(Placed { scan_line, gap });
+                    row.push(Placed::new(scan_line, gap));
                 }
                 continue;
             }
@@ -213,7 +283,7 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
             };
             let gap = self.classified(&left.scan_line, &scan_line, &right.scan_line);
             left.gap = gap;
-            row.extend([left, Placed { scan_line, gap }]);
+            row.extend([left, Placed::new(scan_line, gap)]);
         }
         Ok(true)
     }
@@ -267,50 +337,6 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
     }
 }
 
-/// The query of scan lines.
-struct ScanLineTracer<'a, E: Evaluator> {
-    evaluator: &'a E,
-    cut: &'a Cut,
-    ends: [f64; 2],
-}
-
-impl<'a, E: Evaluator> ScanLineTracer<'a, E> {
-    fn new(evaluator: &'a E, cut: &'a Cut, window: &SectionWindow) -> ScanLineTracer<'a, E> {
-        ScanLineTracer { evaluator, cut, ends: [window.lo[1], window.hi[1]] }
-    }
-
-    fn scan_lines(&self, places: &[f64], scratch: &mut E::Scratch) -> Vec<ScanLine> {
-        let mut batch = RayBatch::default();
-        let direction = self.cut.point([0.0, 1.0]) - self.cut.point([0.0, 0.0]);
-        places.iter().for_each(|&u| batch.push(Ray::new(self.cut.point([u, 0.0]), direction)));
-        // the window was checked before
-        let window = Window::new(self.ends[0], self.ends[1]).unwrap_or(Window::ALL);
-        let query = Query { window, ..Query::default() };
-        let mut scan_lines = Vec::with_capacity(places.len());
-        let mut take =
-            |answer: RayAnswer<'_>| scan_lines.push(scan_line(places[answer.ray], self.ends, &answer));
-        self.evaluator.crossings(batch.rays(), &query, scratch, &mut take);
-        scan_lines
-    }
-}
-
-/// The crossings of a ray, with the world beyond both ends of the window.
-fn scan_line(u: f64, [lo, hi]: [f64; 2], answer: &RayAnswer<'_>) -> ScanLine {
-    let world = RegionId(0);
-    let end = |v: f64, before: RegionId, after: RegionId| ScanCrossing { v, before, after, face: None };
-    let mut passes = Vec::new();
-    passes.extend((answer.start != world).then(|| end(lo, world, answer.start)));
-    passes.extend(answer.crossings.iter().map(|crossing| ScanCrossing {
-        v: crossing.t,
-        before: crossing.before,
-        after: crossing.after,
-        face: Some(crossing.face),
-    }));
-    let last = passes.last().map_or(world, |pass: &ScanCrossing| pass.after);
-    passes.extend((last != world).then(|| end(hi, last, world)));
-    ScanLine { u, passes }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -341,6 +367,7 @@ mod tests {
             let take = |step: Step| match step {
                 Step::Smooth(line) => found.push((true, line)),
                 Step::Jump(line) => found.push((false, line)),
+                Step::Corner(step) => found.extend(step.sides.map(|line| (false, line))),
             };
             lines.sweep(take).unwrap();
             found

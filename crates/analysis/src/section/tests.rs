@@ -306,6 +306,26 @@ fn corners_of_a_star_take_few_scan_lines() {
     assert!(rays < 15 * n as u64, "{rays}");
 }
 
+/// The crossings of all rays grow in proportion to the number of corners, not to its square: only short parts of scan lines are traced
+/// at corners.
+#[test]
+fn corners_of_a_large_star_take_few_crossings() {
+    for n in [1000, 4000] {
+        let scene = scene(&star(n));
+        let evaluator = Counted::new(Arc::new(Program::compile_regions(&scene.model_regions()).unwrap()));
+        let plane = "z=0.25".parse::<SectionPlane>().unwrap().cut().unwrap();
+        let found = section(&evaluator, &plane, &SectionWindow::new([-21.0; 2], [21.0; 2])).unwrap();
+        let turn = 2.0 * PI / n as f64;
+        let (area, side) = (0.5 * n as f64 * 200.0 * turn.sin(), (500.0 - 400.0 * turn.cos()).sqrt());
+        assert!((found.area(RegionId(1)) - area).abs() < 1e-8 * area, "{n}: {}", found.area(RegionId(1)));
+        let perimeter = found.perimeter(RegionId(1));
+        assert!((perimeter - n as f64 * side).abs() < 1e-6 * perimeter, "{n}: {perimeter}");
+        assert_eq!(found.contours(RegionId(1)).len(), 1);
+        let crossings = evaluator.take_crossings();
+        assert!(crossings < 400 * n as u64, "{n}: {crossings}");
+    }
+}
+
 /// The cones of a revolved star meet a plane through the axis in lines; their corners are exact, too.
 #[test]
 fn corners_of_a_revolved_star_take_few_scan_lines() {

@@ -153,6 +153,11 @@ pub fn is_outline_part(name: &str) -> bool {
     rest.is_some_and(|rest| rest.starts_with(|next: char| next.is_ascii_digit() || next == '.'))
 }
 
+/// True for the names of the leaves that divide the solid of an outline with many edges into cells: their boxes are no faces of it.
+pub fn is_outline_cell(name: &str) -> bool {
+    name.split('.').zip(name.split('.').skip(1)).any(|pair| pair == ("contour", "cell"))
+}
+
 /// The smallest and largest coordinates of points.
 fn bounds_of(points: &[Point]) -> [Point; 2] {
     let none = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
