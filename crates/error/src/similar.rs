@@ -70,7 +70,7 @@ pub fn did_you_mean<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str
 
 /// Words of other programs (OpenSCAD, CadQuery, Geant4, trimesh) with the words of Rayweave for the same thing. They come before
 /// similar spellings: `cube` means `box`, although `tube` is closer.
-const SYNONYMS: [(&str, &[&str]); 26] = [
+const SYNONYMS: [(&str, &[&str]); 30] = [
     ("ball", &["sphere"]),
     ("block", &["box"]),
     ("color", &["colour"]),
@@ -84,6 +84,7 @@ const SYNONYMS: [(&str, &[&str]); 26] = [
     ("extents", &["size"]),
     ("h", &["height"]),
     ("halfspace", &["half_space"]),
+    ("inner", &["inner_radius"]),
     ("ior", &["index"]),
     ("len", &["length", "height"]),
     ("lathe", &["revolve"]),
@@ -91,9 +92,12 @@ const SYNONYMS: [(&str, &[&str]); 26] = [
     ("linear_extrude", &["extrude"]),
     ("material", &["medium"]),
     ("n", &["index", "normal"]),
+    ("outer", &["outer_radius"]),
     ("pipe", &["tube"]),
     ("plane", &["half_space"]),
     ("r", &["radius"]),
+    ("rmax", &["outer_radius"]),
+    ("rmin", &["inner_radius"]),
     ("rod", &["cylinder"]),
     ("rotate_extrude", &["revolve"]),
     ("refractive_index", &["index"]),

@@ -53,6 +53,21 @@ error: unknown solid `frnt`: there is no [solid.frnt]. Did you mean `front`?
 }
 
 #[test]
+fn an_unknown_parameter_does_not_hide_other_problems() {
+    check(
+        "[solid.a]\ncylinder = { radius = -2, heigth = 'H*2', length = 3 }",
+        "3:27 cylinder: unknown parameter `heigth`: the parameters are radius, height. Did you mean `height`?\n\
+         3:43 cylinder: unknown parameter `length`: the parameters are radius, height. Did you mean `height`?\n\
+         3:23 cylinder: radius is -2: radius must be finite and greater than 0. Did you mean 2?",
+    );
+    check(
+        "[solid.a]\ntube = { outer = 3, inner = 2 }",
+        "3:10 tube: unknown parameter `outer`: the parameters are outer_radius, inner_radius, height. Did you mean `outer_radius`?\n\
+         3:21 tube: unknown parameter `inner`: the parameters are outer_radius, inner_radius, height. Did you mean `inner_radius`?",
+    );
+}
+
+#[test]
 fn rendered_with_another_place() {
     let text = "[solid.a]\nsphere = { radius = 1 }\n[[region]]\nsolid = 'a'\n[[region]]\nsolid = 'a'\n";
     let expected = "\

@@ -428,15 +428,17 @@ fn shape(
         REVOLVE => return outline::revolve(context, numbers, arguments, keyword.span),
         _ => {}
     }
+    let known = manual(&keyword.value).map(|manual| manual.parameters).unwrap_or_default();
+    let is_unknown = |name: &str| known.iter().all(|parameter| parameter.name != name);
+    // the value of an unknown parameter, or of a parameter of an unknown shape, has no type
+    let unknown: Vec<_> = arguments.iter().filter(|(name, _)| is_unknown(&name.value)).collect();
+    for (name, _) in unknown.iter().take(if known.is_empty() { 1 } else { MAX_UNKNOWN }) {
+        let value = (name.value.as_str(), Value::Number(0.0));
+        report(context, numbers, keyword, arguments, build_shape(&keyword.value, &[value]).err()?);
+    }
+    let mut complete = unknown.is_empty();
     let mut values = Vec::new();
-    let mut complete = true;
-    for (name, datum) in arguments {
-        let known = manual(&keyword.value).map(|manual| manual.parameters).unwrap_or_default();
-        if known.iter().all(|parameter| parameter.name != name.value) {
-            // the value of an unknown parameter has no type
-            (values, complete) = (vec![(name.value.as_str(), Value::Number(0.0))], false);
-            break;
-        }
+    for (name, datum) in arguments.iter().filter(|(name, _)| !is_unknown(&name.value)) {
         match value(context, numbers, &name.value, datum) {
             Some(value) => values.push((name.value.as_str(), value)),
             None => complete = false,
@@ -444,27 +446,42 @@ fn shape(
     }
     match build_shape(&keyword.value, &values) {
         Ok(primitive) => complete.then(|| primitive.into()),
-        // the missing parameter is given, but invalid
-        Err(ShapeError::MissingParameter { .. }) if !complete => None,
-        Err(mut error) => {
-            let (span, datum) = place_of(&error, keyword, arguments);
-            let cause = match datum {
-                Some(Datum::Text(text)) => numbers.parameters_of(text),
-                _ => None,
-            };
-            if let (ShapeError::OutOfRange { suggestion, .. }, Some(_)) = (&mut error, &cause) {
-                // it would replace the expression
-                *suggestion = None;
-            }
-            let cause = cause.map_or_else(String::new, |cause| format!(" It is computed with {cause}."));
-            let is_centring = matches!(&error, ShapeError::UnknownParameter { name, .. } if CENTRING.contains(&name.as_str()));
-            let hint = is_centring.then_some(
-                " Shapes are centred about the origin of their frame: leave it out, or move the solid with a `transform`.",
-            );
-            context.push(Diagnostic::error(error.to_string() + hint.unwrap_or_default() + &cause), span);
+        // the missing parameter is given, but invalid or misspelt; an unknown shape is reported
+        Err(ShapeError::MissingParameter { .. } | ShapeError::UnknownShape { .. }) if !complete => None,
+        Err(error) => {
+            report(context, numbers, keyword, arguments, error);
             None
         }
     }
+}
+
+/// The maximum number of unknown parameters of one shape that are reported.
+const MAX_UNKNOWN: usize = 20;
+
+/// Reports an error of a shape at the argument that it is about.
+fn report(
+    context: &mut Context,
+    numbers: &Numbers,
+    keyword: &Spanned<String>,
+    arguments: &Table,
+    mut error: ShapeError,
+) {
+    let (span, datum) = place_of(&error, keyword, arguments);
+    let cause = match datum {
+        Some(Datum::Text(text)) => numbers.parameters_of(text),
+        _ => None,
+    };
+    if let (ShapeError::OutOfRange { suggestion, .. }, Some(_)) = (&mut error, &cause) {
+        // it would replace the expression
+        *suggestion = None;
+    }
+    let cause = cause.map_or_else(String::new, |cause| format!(" It is computed with {cause}."));
+    let is_centring =
+        matches!(&error, ShapeError::UnknownParameter { name, .. } if CENTRING.contains(&name.as_str()));
+    let hint = is_centring.then_some(
+        " Shapes are centred about the origin of their frame: leave it out, or move the solid with a `transform`.",
+    );
+    context.push(Diagnostic::error(error.to_string() + hint.unwrap_or_default() + &cause), span);
 }
 
 /// A mesh from a file, which replaces all parameters.

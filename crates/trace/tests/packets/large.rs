@@ -107,7 +107,7 @@ fn ray(rng: &mut Random) -> Ray {
         _ => rng.direction(),
     };
     let nearly = rng.pick(&[0.0, 0.0, 1e-15, 1e-9, 1e-4]) * rng.direction();
-    Ray::new(to - rng.pick(&[0.0, 1.0, 4.0]) * along, along + nearly)
+    Ray::new(to - rng.pick(&[0.0, 0.0, 1.0, 1.0, 4.0, 4.0, 1e12]) * along, along + nearly)
 }
 
 fn settings(rng: &mut Random, count: usize) -> Vec<Setting> {
@@ -175,6 +175,33 @@ fn first_hits_in_very_large_unions() {
 /// True if this build and processor have lanes.
 fn lanes() -> bool {
     Packets::new(Arc::new(Program::compile(&sphere(1.0)).unwrap())).uses_lanes()
+}
+
+/// Rays that leave the bore of a tube through its wall, close to the end and at so small an angle that the piece of wall up to the
+/// end is within the tolerance of the bore.
+#[test]
+fn rays_that_graze_the_end_of_a_bore() {
+    let tube = shape("tube", &[("outer_radius", 0.2), ("inner_radius", 0.125), ("height", 0.5)]);
+    let grid = |k: usize| Vec3::new((k % 4) as f64, (k / 4 % 4) as f64, (k / 16) as f64);
+    let at = |k: usize| grid(k) * Vec3::new(0.5, 0.5, 0.7) - Vec3::splat(0.75);
+    let solid = Solid::union((0..64).map(|k| tube.translate(at(k))));
+    let mut oracle = Oracle::new("rays that graze the end of a bore");
+    for seed in 0..8 {
+        let rng = &mut Random::new(15 << 40 | seed);
+        let ray = |_| {
+            let angle = rng.between(0.0, std::f64::consts::TAU);
+            let outwards = Vec3::new(libm::cos(angle), libm::sin(angle), 0.0);
+            let before = libm::pow(10.0, rng.between(-6.0, -2.0));
+            let on_wall = at(rng.below(16)) + 0.125 * outwards + Vec3::Z * (0.25 - before);
+            let direction = Vec3::Z + libm::pow(10.0, rng.between(-12.0, -7.0)) * outwards;
+            Ray::new(on_wall - direction, direction)
+        };
+        let rays = (0..500).map(ray).collect();
+        let regions = vec![Region { name: "tubes".to_owned(), solid: solid.clone(), medium: 1 }];
+        let Some(setting) = Setting::new(regions, rays, "tubes".to_owned()) else { continue };
+        oracle.lists(&setting, &mut Random::new(seed));
+    }
+    oracle.finish(if lanes() { 4000 } else { 0 });
 }
 
 /// Few leaves are left to the scalar kernels, and few rays to the weave.
