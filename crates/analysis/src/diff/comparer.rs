@@ -141,10 +141,10 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
         found.is_same = found.spot.is_none_or(|spot| spot.thickness <= self.distance);
         if !found.is_same {
             found.place = Some(remeasurement.place);
-            let cancel = &self.settings.measure.cancel;
             let across = (self.settings.across as usize, self.distance);
+            let measuring = &self.settings.measure;
             let (places, rays) =
-                places::of(evaluator, remeasurement.place, across, &remeasurement.scraps, cancel)?;
+                places::of(evaluator, remeasurement.place, across, &remeasurement.scraps, measuring)?;
             found.places = places;
             self.traced += rays;
         }

@@ -2,12 +2,11 @@
 
 use super::DifferencePlace;
 use super::pairs::{A_ONLY, B_ONLY};
+use crate::AnalysisError;
 use crate::check::{ConnectedPart, connected_parts};
-use crate::error::Cancelled;
-use crate::measure::MeasuredChord;
+use crate::measure::{MeasureSettings, MeasuredChord, measure};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::Evaluator;
-use rayweave_model::drive::Cancel;
 
 /// A piece of a random ray in a difference, with the volume that it represents.
 #[derive(Clone, Copy)]
@@ -25,18 +24,25 @@ const MAX_PLACES: usize = 1000;
 const MAX_REFINED: usize = 50;
 const REFINED: usize = 24;
 
+/// The number of places whose volumes are measured, their precision, and the greatest number of rays for each of them.
+const MAX_MEASURED: usize = 20;
+const PRECISION: f64 = 2e-3;
+const MAX_RAYS: u64 = 1 << 15;
+
 /// The connected places of differences within a box, the largest first, and the number of rays. `across` is the number of rays along each
 /// side of the box, with the accepted thickness.
 ///
 /// A grid of rays finds places and what connects them. Pieces of random rays show the places that lie between its rays; those near each
-/// other are one place. The largest places are measured again with a grid of their own.
+/// other are one place. The largest places are measured again with a grid of their own, and their volumes with random rays: the rows of a
+/// grid that end at a flat face give the same error for all places of one size. `measuring` are the options of these volumes.
 pub fn of<E: Evaluator>(
     evaluator: &E,
     place: Bounds,
     (across, distance): (usize, f64),
     scraps: &[Scrap],
-    cancel: &Cancel,
-) -> Result<(Vec<DifferencePlace>, u64), Cancelled> {
+    measuring: &MeasureSettings,
+) -> Result<(Vec<DifferencePlace>, u64), AnalysisError> {
+    let cancel = &measuring.cancel;
     // a difference may be flat
     let margin = Vec3::splat(0.01 * place.size().max_element());
     let frame = Bounds { lo: place.lo - margin, hi: place.hi + margin };
@@ -82,21 +88,67 @@ pub fn of<E: Evaluator>(
     places.sort_by(|a, b| b.volume.total_cmp(&a.volume));
     places.truncate(MAX_PLACES);
     let mut all_rays = rays;
-    for own in places.iter_mut().take(MAX_REFINED) {
-        if (own.bounds.size() / frame.size()).min_element() < 0.5 {
-            let bounds = Bounds { lo: own.bounds.lo - step, hi: own.bounds.hi + step };
-            let (parts, rays) = connected_parts(evaluator, bounds, REFINED, is_selected, cancel)?;
-            all_rays += rays;
-            let is_own = |part: &&ConnectedPart| {
-                (part.region == A_ONLY) == own.is_a && !part.bounds.intersection(&own.bounds).is_empty()
-            };
-            let parts = parts.unwrap_or_default();
-            let best = parts.iter().filter(is_own).max_by(|a, b| a.volume.total_cmp(&b.volume));
-            if let Some(best) = best {
-                (own.volume, own.centre, own.bounds) = (best.volume, best.centre, best.bounds);
-            }
-        }
+    let around = Around { evaluator, frame, parts: &parts, step, measuring };
+    for (k, own) in places.iter_mut().take(MAX_REFINED).enumerate() {
+        all_rays += around.refine(own, k < MAX_MEASURED)?;
     }
     places.sort_by(|a, b| b.volume.total_cmp(&a.volume));
     Ok((places, all_rays))
+}
+
+/// The connected parts of differences by a grid of rays at a distance `step` in a frame.
+struct Around<'a, E> {
+    evaluator: &'a E,
+    frame: Bounds,
+    parts: &'a [ConnectedPart],
+    step: Vec3,
+    measuring: &'a MeasureSettings,
+}
+
+impl<E: Evaluator> Around<'_, E> {
+    /// Measures a place with a grid of its own if it is small, and its volume with random rays if `is_measured`; returns the number of
+    /// rays.
+    fn refine(&self, own: &mut DifferencePlace, is_measured: bool) -> Result<u64, AnalysisError> {
+        let region = if own.is_a { A_ONLY } else { B_ONLY };
+        let is_small = (own.bounds.size() / self.frame.size()).min_element() < 0.5;
+        let bounds = match is_small {
+            true => Bounds { lo: own.bounds.lo - self.step, hi: own.bounds.hi + self.step },
+            false => self.frame,
+        };
+        // the volumes of all parts of the region in the box, by the grid
+        let volumes = |parts: &[ConnectedPart]| {
+            parts.iter().filter(|part| part.region == region).map(|part| part.volume).sum::<f64>()
+        };
+        let (mut in_grid, mut rays) = (volumes(self.parts), 0);
+        if is_small {
+            let is_selected = |region| region == A_ONLY || region == B_ONLY;
+            let (parts, traced) =
+                connected_parts(self.evaluator, bounds, REFINED, is_selected, &self.measuring.cancel)?;
+            rays += traced;
+            let is_own = |part: &&ConnectedPart| {
+                part.region == region && !part.bounds.intersection(&own.bounds).is_empty()
+            };
+            let parts = parts.unwrap_or_default();
+            let best = parts.iter().filter(is_own).max_by(|a, b| a.volume.total_cmp(&b.volume));
+            let Some(best) = best else { return Ok(rays) };
+            (own.volume, own.centre, own.bounds) = (best.volume, best.centre, best.bounds);
+            in_grid = volumes(&parts);
+        }
+        if is_measured {
+            let settings = MeasureSettings {
+                precision: PRECISION,
+                most_rays: MAX_RAYS,
+                within: Some(bounds),
+                ..self.measuring.clone()
+            };
+            let measured = measure(self.evaluator, &settings, &mut |_| ())?;
+            rays += measured.rays;
+            let all = measured.regions[region.index() - 1].volume;
+            // another part in the box takes its share
+            if in_grid > 0.0 && all.half_width < 0.1 * all.value {
+                own.volume *= all.value / in_grid;
+            }
+        }
+        Ok(rays)
+    }
 }

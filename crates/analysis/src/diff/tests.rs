@@ -75,11 +75,29 @@ fn each_connected_place_is_listed() {
     assert_eq!(places.len(), 3, "{places:?}");
     for (place, (is_a, volume, centre)) in places.iter().zip(expected) {
         assert_eq!(place.is_a, is_a, "{places:?}");
-        assert!((place.volume / volume - 1.0).abs() < 0.1, "{place:?}, {volume}");
+        assert!((place.volume / volume - 1.0).abs() < 0.01, "{place:?}, {volume}");
         assert!((place.centre - centre).length() < 0.2, "{place:?}");
         assert!(place.bounds.contains(place.centre));
     }
     assert!(compared(&a, &a, &quick()).pairs[0].places.is_empty());
+}
+
+/// Six counterbores around bolt holes: each volume is that of a ring, and the errors have both signs.
+#[test]
+fn volumes_of_equal_places_are_unbiased() {
+    let a = "[solid.disc]\ncylinder = { radius = 40, height = 10 }\n[solid.hole]\ncylinder = { radius = 3.3 }\n\
+        [solid.holes]\nplace = { solid = \"hole\", ring = 6, radius = 30, start = 30 }\n\
+        [solid.part]\nexpr = \"disc - holes\"\n[[region]]\nsolid = \"part\"";
+    let b = a.replace("disc - holes", "disc - holes - sinks")
+        + "\n[solid.sink]\ncylinder = { radius = 5.5, height = 12 }\ntransform = { translate = [0, 0, 5] }\n\
+           [solid.sinks]\nplace = { solid = \"sink\", ring = 6, radius = 30, start = 30 }\n";
+    let report = compared(a, &b, &quick());
+    let places = &report.pairs[0].places;
+    let expected = PI * (5.5 * 5.5 - 3.3 * 3.3) * 6.0;
+    let errors: Vec<f64> = places.iter().map(|place| place.volume / expected - 1.0).collect();
+    assert_eq!(errors.len(), 6, "{places:?}");
+    assert!(errors.iter().all(|error| error.abs() < 6e-3), "{errors:?}");
+    assert!(errors.iter().sum::<f64>().abs() / 6.0 < 2e-3, "{errors:?}");
 }
 
 /// A shell thinner than the accepted thickness is not a difference, although rays near its rim have long pieces in it.
