@@ -3,7 +3,8 @@
 use super::spans::{Spans, spans_along};
 use crate::distance::world_surfaces;
 use rayweave_math::{Bounds, Vec3};
-use rayweave_model::{Evaluator, RayBatch, SurfaceEntry};
+use rayweave_model::weld::local_ray;
+use rayweave_model::{Crossing, Evaluator, Query, RayAnswer, RayBatch, SurfaceEntry};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{Cylinder, Surface};
 use std::f64::consts::TAU;
@@ -22,8 +23,8 @@ pub struct CylindricalFace {
     /// The direction from the axis to the middle of the face around it, a unit vector to 1/48 of a turn; zero if the face goes all the
     /// way around.
     pub middle: Vec3,
-    /// The depth of a hole that ends in the material at one end. It is measured from the plane around the open end, in front of a
-    /// chamfer, to the floor of the hole, behind a fillet or chamfer in the corner. A hole without a floor, such as one with a conical
+    /// The depth of a hole that ends in the material at one end, on its axis. It is measured from the face around the open end, plane or
+    /// curved and in front of a chamfer, to the floor of the hole, behind a fillet or chamfer in the corner. A hole without a floor, such as one with a conical
     /// or spherical end, is as deep as its full diameter: the depth ends where the cylinder does.
     pub depth: Option<f64>,
     /// True if a hole is open at both ends; a groove is closed at both. Only the region around a hole closes it, not another part
@@ -275,11 +276,11 @@ impl<'a> Lines<'a> {
         let depth = match (is_hole, closed) {
             (true, [false, true]) => {
                 let floor = self.floor(group[0].line, to, 1.0, evaluator, scratch);
-                Some(floor - self.opening(group[0].line, from, -1.0, evaluator, scratch))
+                Some(floor - self.opening(group, from, -1.0, evaluator, scratch))
             }
             (true, [true, false]) => {
                 let floor = self.floor(group[0].line, from, -1.0, evaluator, scratch);
-                Some(self.opening(group[0].line, to, 1.0, evaluator, scratch) - floor)
+                Some(self.opening(group, to, 1.0, evaluator, scratch) - floor)
             }
             _ => None,
         };
@@ -346,7 +347,7 @@ impl<'a> Lines<'a> {
     /// The position of the plane around the open end of a hole: the end itself, or that of the face beyond a chamfer.
     fn opening<E: Evaluator>(
         &self,
-        line: usize,
+        group: &[Stretch],
         end: f64,
         sign: f64,
         evaluator: &E,
@@ -354,7 +355,7 @@ impl<'a> Lines<'a> {
     ) -> f64 {
         /// Lines farther and farther outside: a chamfer is at most twice as wide as the hole.
         const RADII: usize = 40;
-        let radius = self.cylinder.radius;
+        let (line, radius) = (group[0].line, self.cylinder.radius);
         let places: Vec<(usize, f64)> =
             (1..=RADII).map(|k| (line, radius * (1.0 + 0.05 * k as f64))).collect();
         let within = end - sign * SHORT * radius;
@@ -365,7 +366,43 @@ impl<'a> Lines<'a> {
         let exits: Vec<f64> = exits.into_iter().flatten().collect();
         let is_flat = |pair: &&[f64]| (pair[1] - pair[0]).abs() < FLAT * radius;
         let flat = exits.windows(2).find(is_flat).map(|pair| pair[0]);
-        flat.filter(|flat| sign * (flat - end) > 0.0).unwrap_or(end)
+        flat.filter(|flat| sign * (flat - end) > 0.0)
+            .or_else(|| self.opening_on_axis(group, end, sign, evaluator, scratch))
+            .unwrap_or(end)
+    }
+
+    /// The place where the axis crosses the surface around the open end of a hole, which is a plane or a curved face.
+    fn opening_on_axis<E: Evaluator>(
+        &self,
+        group: &[Stretch],
+        end: f64,
+        sign: f64,
+        evaluator: &E,
+        scratch: &mut E::Scratch,
+    ) -> Option<f64> {
+        let (program, axis, radius) = (evaluator.program(), self.cylinder.axis, self.cylinder.radius);
+        let mut batch = RayBatch::default();
+        // the line that reaches farthest
+        let of = |stretch: &Stretch| if sign > 0.0 { stretch.to } else { -stretch.from };
+        let farthest = group.iter().max_by(|a, b| of(a).total_cmp(&of(b)))?.line;
+        batch.push(Ray::new(self.base + (radius + self.offset) * self.out(farthest), axis));
+        let mut nearest: Option<Crossing> = None;
+        let mut sink = |answer: RayAnswer<'_>| {
+            let far = |crossing: &&Crossing| (crossing.t - end).abs();
+            nearest = answer.crossings.iter().min_by(|a, b| far(a).total_cmp(&far(b))).copied();
+        };
+        evaluator.crossings(batch.rays(), &Query::default(), scratch, &mut sink);
+        let face = nearest?.face;
+        let (ray, _) = local_ray(program, &Ray::new(self.base, axis), face.placement);
+        // the axis of a hole crosses a chamfer at its apex, and misses a fillet
+        let surface = &program.surface(face.surface).surface;
+        let is_outer = matches!(
+            surface,
+            Surface::Plane(_) | Surface::Sphere(_) | Surface::Cylinder(_) | Surface::Quadric(_)
+        );
+        let crossings = is_outer.then(|| surface.crossings(&ray))?;
+        let times = crossings.times().iter().copied().filter(|t| (t - end).abs() < 2.0 * radius);
+        times.min_by(|s, t| (s - end).abs().total_cmp(&(t - end).abs()))
     }
 
     /// The position of the floor of a hole, perpendicular to the axis, if a fillet or a chamfer in the corner leads to it; otherwise the
