@@ -33,13 +33,13 @@ pub struct EdgeView {
 const MAX_RAYS: usize = 4_000_000;
 
 /// The number of bisections between neighbours.
-const BISECTIONS: usize = 20;
+pub(crate) const BISECTIONS: usize = 20;
 
 /// The cosine of the smallest angle between faces that have an edge, 12 degrees: the facets of a round mesh have none.
-const SMOOTH: f64 = 0.978;
+pub(crate) const SMOOTH: f64 = 0.978;
 
 /// The least jump in depth at an edge, relative to the size of the window.
-const JUMP: f64 = 1e-4;
+pub(crate) const JUMP: f64 = 1e-4;
 
 /// The first face along a ray.
 #[derive(Clone, Copy, Debug)]
@@ -85,24 +85,16 @@ pub fn visible_edges<E: Evaluator>(
     Ok(joined(&grid, &crossings))
 }
 
-/// Whether a visible edge separates the points of each pair; the points must be near each other.
-pub fn is_edge<E: Evaluator>(evaluator: &E, plane: &Cut, pairs: &[[Point; 2]], jump: f64) -> Vec<bool> {
-    let view = EdgeView { plane: *plane, is_behind: false, window: [[0.0; 2]; 2], step: 0.0 };
-    let sampler = Sampler { evaluator, view: &view };
-    let found = sampler.samples(pairs.as_flattened(), &mut evaluator.scratch());
-    found.chunks_exact(2).map(|pair| pair[0].differs(&pair[1], jump)).collect()
-}
-
 /// The points of the grid.
-struct Grid {
+pub(crate) struct Grid {
     lo: Point,
-    step: f64,
-    columns: usize,
-    rows: usize,
+    pub step: f64,
+    pub columns: usize,
+    pub rows: usize,
 }
 
 impl Grid {
-    fn new(view: &EdgeView) -> Grid {
+    pub fn new(view: &EdgeView) -> Grid {
         let [lo, hi] = view.window;
         let size = [0, 1].map(|k| (hi[k] - lo[k]).max(f64::MIN_POSITIVE));
         let least = (size[0] * size[1] / MAX_RAYS as f64).sqrt();
@@ -111,11 +103,11 @@ impl Grid {
         Grid { lo, step, columns, rows }
     }
 
-    fn point(&self, column: usize, row: usize) -> Point {
+    pub fn point(&self, column: usize, row: usize) -> Point {
         [self.lo[0] + self.step * column as f64, self.lo[1] + self.step * row as f64]
     }
 
-    fn index(&self, column: usize, row: usize) -> usize {
+    pub fn index(&self, column: usize, row: usize) -> usize {
         row * self.columns + column
     }
 }
@@ -156,7 +148,12 @@ impl Sample {
         match () {
             () if self.is_cut || other.is_cut => self.is_cut != other.is_cut,
             () if self.is_miss() || other.is_miss() => self.is_miss() != other.is_miss(),
-            () => self.face != other.face || (self.t - other.t).abs() > 4.0 * distance,
+            // the triangles of a mesh are one face
+            () => {
+                self.face != other.face
+                    || (self.t - other.t).abs() > 4.0 * distance
+                    || self.normal.dot(other.normal) < SMOOTH
+            }
         }
     }
 
@@ -169,13 +166,17 @@ impl Sample {
         }
     }
 
-    /// True if the edge between two others is on the side of the first of them.
-    fn is_beyond(&self, first: &Sample, last: &Sample) -> bool {
+    /// True if the edge between two others is on the side of the first of them. `distance` is that of the others.
+    fn is_beyond(&self, first: &Sample, last: &Sample, distance: f64) -> bool {
         let kind = |s: &Sample| (s.is_cut, s.is_miss(), s.face);
         match () {
             () if kind(self) == kind(first) && kind(first) != kind(last) => false,
             () if kind(self) == kind(last) && kind(first) != kind(last) => true,
             () if kind(self) != kind(first) => true,
+            // an edge between triangles of a mesh
+            () if (first.t - last.t).abs() <= 4.0 * distance => {
+                self.normal.dot(first.normal) < self.normal.dot(last.normal)
+            }
             // one face in front of itself
             () => (self.t - first.t).abs() > (self.t - last.t).abs(),
         }
@@ -226,7 +227,7 @@ fn crossings<E: Evaluator>(
             let places: Vec<Point> = part.iter().map(middle).collect();
             let found = sampler.samples(&places, &mut scratch);
             for ((open, place), sample) in part.iter_mut().zip(places).zip(found) {
-                let is_beyond = sample.is_beyond(&open.ends[0].1, &open.ends[1].1);
+                let is_beyond = sample.is_beyond(&open.ends[0].1, &open.ends[1].1, grid.step);
                 open.ends[usize::from(is_beyond)] = (place, sample);
             }
         }
@@ -262,7 +263,7 @@ fn joined(grid: &Grid, crossings: &Crossings) -> Vec<Vec<Point>> {
 }
 
 /// Joins segments with common ends to lines. Where more than two meet, lines end.
-fn chains(segments: &[[Point; 2]]) -> Vec<Vec<Point>> {
+pub(crate) fn chains(segments: &[[Point; 2]]) -> Vec<Vec<Point>> {
     let key = |p: Point| p.map(f64::to_bits);
     let mut at: BTreeMap<[u64; 2], Vec<usize>> = BTreeMap::new();
     for (k, segment) in segments.iter().enumerate() {

@@ -15,6 +15,7 @@
 //! This crate reads and writes no files and depends on no particular evaluator; functions that need one are generic over
 //! [`Evaluator`](rayweave_model::Evaluator).
 
+mod all_edges;
 pub mod axis;
 pub mod detector;
 mod dimension;

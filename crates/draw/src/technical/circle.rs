@@ -1,8 +1,11 @@
-//! Circles and polygons of a view with their sizes.
+//! Circles, polygons, fillets and chamfers of a view with their sizes.
 
 use crate::axis::format_number;
-use rayweave_analysis::features::{CylindricalFace, PolygonalFace, sides_of_rectangle};
+use rayweave_analysis::features::{
+    CornerFace, CornerPlace, CornerSize, CylindricalFace, PolygonalFace, sides_of_rectangle,
+};
 use rayweave_analysis::section::Cut;
+use rayweave_math::Vec3;
 
 type Point = [f64; 2];
 
@@ -20,6 +23,11 @@ pub enum Shape {
         size: [f64; 2],
         angle: f64,
         corner_radius: f64,
+    },
+    /// A chamfer, seen along its edge: its length along an axis and its angle to it, in degrees.
+    Chamfer {
+        length: f64,
+        angle: f64,
     },
 }
 
@@ -97,6 +105,45 @@ impl Circle {
             arc: None,
             is_through: face.is_hole && face.depth.is_none(),
             depth: face.depth,
+            width: None,
+        }
+    }
+
+    /// A fillet or a chamfer in a view in which it is seen along its edge, at the right or the upper side of a part around an axis.
+    pub fn of_corner(face: &CornerFace, plane: &Cut) -> Circle {
+        let (across, [u, v]) = (plane.normal(), plane.axes());
+        let along = |direction: Vec3| [u.dot(direction), v.dot(direction)];
+        let out = match face.place {
+            CornerPlace::Ring { axis, .. } => {
+                let out = across.cross(axis).normalize_or_zero();
+                let [x, y] = along(out);
+                if x + 0.5 * y < 0.0 { -out } else { out }
+            }
+            CornerPlace::Edge { .. } => Vec3::ZERO,
+        };
+        let centre = plane.place(match face.place {
+            CornerPlace::Ring { centre, radius, .. } => centre + radius * out,
+            CornerPlace::Edge { middle, .. } => middle,
+        });
+        let arc = match (face.size, face.place) {
+            (CornerSize::Fillet { middle, half_angle, .. }, CornerPlace::Ring { axis, .. }) => {
+                Some((along(middle[0] * out + middle[1] * axis), half_angle))
+            }
+            _ => None,
+        };
+        let (shape, radius) = match face.size {
+            CornerSize::Fillet { radius, .. } => (Shape::Round, radius),
+            CornerSize::Chamfer { length, angle } => (Shape::Chamfer { length, angle }, 0.0),
+        };
+        Circle {
+            shape,
+            centre,
+            radius,
+            is_hole: false,
+            is_full: false,
+            arc,
+            is_through: false,
+            depth: None,
             width: None,
         }
     }
@@ -182,7 +229,7 @@ impl Circle {
             [self.centre[0] + cos * x - sin * y, self.centre[1] + sin * x + cos * y]
         };
         match self.shape {
-            Shape::Round => Vec::new(),
+            Shape::Round | Shape::Chamfer { .. } => Vec::new(),
             Shape::Regular { sides, angle } => {
                 let of =
                     |k| at(angle + std::f64::consts::TAU * f64::from(k) / sides as f64, [self.radius, 0.0]);
@@ -209,29 +256,6 @@ impl Circle {
         (0..corners.len()).map(of).fold(self.radius, f64::min)
     }
 
-    /// Pairs of points on both sides of the outline.
-    pub fn beside(&self, apart: f64) -> Vec<[Point; 2]> {
-        let angles = match self.shape {
-            Shape::Round => (0..8).map(|k| std::f64::consts::TAU * (f64::from(k) + 0.41) / 8.0).collect(),
-            _ => {
-                let corners = self.corners();
-                let middle = |k: usize| {
-                    let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
-                    // off the middle, where another edge is likely
-                    let at = [0, 1].map(|i| 0.53 * a[i] + 0.47 * b[i] - self.centre[i]);
-                    libm::atan2(at[1], at[0])
-                };
-                (0..corners.len()).map(middle).collect::<Vec<f64>>()
-            }
-        };
-        let pair = |angle: f64| {
-            let towards = [libm::cos(angle), libm::sin(angle)];
-            let reach = self.reach(towards);
-            [1.0 - apart, 1.0 + apart].map(|part| [0, 1].map(|i| self.centre[i] + part * reach * towards[i]))
-        };
-        angles.into_iter().map(pair).collect()
-    }
-
     fn is_like(&self, other: &Circle, tolerance: f64) -> bool {
         let is_alike = match (self.shape, other.shape) {
             (Shape::Round, Shape::Round) => true,
@@ -240,6 +264,10 @@ impl Circle {
                 Shape::Rectangle { size: a, corner_radius: r, .. },
                 Shape::Rectangle { size: b, corner_radius: s, .. },
             ) => [a[0] - b[0], a[1] - b[1], r - s].iter().all(|difference| difference.abs() < tolerance),
+            // their ends are found to the distance of the lines beside them
+            (Shape::Chamfer { length: a, angle: r }, Shape::Chamfer { length: b, angle: s }) => {
+                (a - b).abs() < 10.0 * tolerance && (r - s).abs() < 1e-3
+            }
             _ => false,
         };
         let is_near = |a: Option<f64>, b: Option<f64>| match (a, b) {
@@ -340,6 +368,9 @@ fn text(circles: &[Circle], ring: Option<(Point, f64)>, resolution: f64) -> Stri
         Shape::Round => diameter,
         Shape::Rectangle { size: [a, b], corner_radius, .. } if 2.0 * corner_radius > 0.999_999 * b => {
             format!("slot {} \u{d7} {}", number(b), number(a))
+        }
+        Shape::Chamfer { length, angle } => {
+            format!("{} \u{d7} {}\u{b0}", number(length), format_number(angle, 0.01))
         }
         Shape::Rectangle { size: [a, b], .. } if number(a) == number(b) => format!("{square}{}", number(a)),
         Shape::Rectangle { size: [a, b], .. } => format!("{} \u{d7} {}", number(a), number(b)),

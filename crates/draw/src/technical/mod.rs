@@ -1,10 +1,11 @@
 //! Technical drawings: three views with visible edges, centre lines and dimensions, and a view at a slant, to a standard scale.
 //!
 //! The views are those of ISO 5456-2, in first-angle or third-angle projection. Lines are of the types of ISO 128-2: wide for visible
-//! edges, dashed for hidden holes, chain lines for the axes of cylinders and for circles of holes. Each view has the overall
+//! edges, dashed for hidden ones, chain lines for the axes of cylinders and for circles of holes. Each view has the overall
 //! sizes, the distances between flat faces at steps, the diameters of the cylinders that it shows as circles (`4× ⌀6.6 through`,
 //! `8× ⌀9 × 12 deep on ⌀95`, `R5`), and the sizes of slots and polygonal holes: `slot 5.5 × 7.5 through`,
-//! `hexagon 10 across flats × 5 deep`, `20 × 8 through`, `20 × 8 × 5 deep, R3` with round corners.
+//! `hexagon 10 across flats × 5 deep`, `20 × 8 through`, `20 × 8 × 5 deep, R3` with round corners; and those of fillets and chamfers, `R4`
+//! and `1.5 × 45°`.
 
 mod circle;
 mod label;
@@ -14,13 +15,15 @@ mod scale;
 pub use scale::ProjectionMethod;
 pub(crate) use scale::Scale;
 
-use crate::edges::{EdgeView, visible_edges};
+use crate::all_edges::{Edges, all_edges};
+use crate::edges::EdgeView;
 use crate::svg::{Anchor, Svg};
 use crate::{DrawError, dimension};
 use circle::{Circle, Group, groups};
 use panel::Panel;
 use rayweave_analysis::features::{
-    AxialFeatures, CylindricalFace, PolygonalFace, axial_features, cylindrical_faces, extent,
+    AxialFeatures, CornerFace, CornerPlace, CylindricalFace, PolygonalFace, axial_features, corner_faces,
+    cylindrical_faces, extent,
 };
 use rayweave_analysis::section::{Cut, SectionRun};
 use rayweave_error::Message;
@@ -28,7 +31,9 @@ use rayweave_math::{Bounds, Vec3};
 use rayweave_model::Evaluator;
 use rayweave_render::{RenderError, Run, Size, View};
 use rayweave_scene::Unit;
+use rayweave_shape::surface::{MeshForm, Surface};
 use scale::symbol;
+use std::any::Any;
 
 /// The options of a technical drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -105,9 +110,11 @@ pub fn technical_drawing<E: Evaluator>(
     let section_run = SectionRun { threads: run.threads, cancel: run.cancel.clone() };
     let cancelled = |_| DrawError::Render(RenderError::Cancelled);
     let axial = axial_features(evaluator, &found.faces, &section_run).map_err(cancelled)?;
+    let corners = corner_faces(evaluator);
     let paper = options.size.map_or(PAPER, |size| [size.width() as f64, size.height() as f64]);
     let views = options.projection.views();
-    let sheet = Sheet { bounds: extent.bounds, faces: &found.faces, axial: &axial, paper, unit };
+    let sheet =
+        Sheet { bounds: extent.bounds, faces: &found.faces, corners: &corners, axial: &axial, paper, unit };
     let groups = views.map(|(view, ..)| sheet.groups(view));
     let scale = sheet.scale(&views, &groups)?;
     let mut drawing = Drawing { sheet: &sheet, scale: &scale, svg: Svg::default() };
@@ -116,12 +123,20 @@ pub fn technical_drawing<E: Evaluator>(
         drawing.view(evaluator, &panel, groups, run)?;
     }
     drawing.slanted(evaluator, options.projection, run)?;
+    let has_mesh = evaluator.program().surfaces().iter().any(|entry| is_mesh(&entry.surface));
     drawing.footer(title, options.projection);
+    if has_mesh {
+        let at = [MARGIN, paper[1] - MARGIN - TITLE + 2.0];
+        drawing.svg.text("name", at, Anchor::Start, MESH_NOTE, MESH_NOTE);
+    }
     let description = format!("Technical drawing in {}, scale {}.", options.projection, scale.text());
     let svg = drawing.svg.finish(paper, title, &description, &[STYLE, dimension::STYLE].concat());
     let mut notes = Vec::new();
     if found.left_out > 0 {
         notes.push(format!("{} of the cylinders have no diameters: the model has too many.", found.left_out));
+    }
+    if has_mesh {
+        notes.push(format!("{MESH_NOTE}."));
     }
     notes.extend(oblique_notes(&sheet));
     notes.extend(axial_notes(&axial));
@@ -133,6 +148,15 @@ pub fn technical_drawing<E: Evaluator>(
         );
     }
     Ok(TechnicalDrawing { svg, notes })
+}
+
+/// The note on models with meshes.
+const MESH_NOTE: &str =
+    "round faces of a mesh have no diameters; its edges are those between triangles at 12 degrees or more";
+
+fn is_mesh(surface: &Surface) -> bool {
+    let Surface::Object(object) = surface else { return false };
+    (&*object.form as &dyn Any).is::<MeshForm>()
 }
 
 /// A note on holes and shafts that no view shows as circles.
@@ -185,6 +209,7 @@ const MAX_STEPS: usize = 5;
 struct Sheet<'a> {
     bounds: Bounds,
     faces: &'a [CylindricalFace],
+    corners: &'a [CornerFace],
     axial: &'a AxialFeatures,
     paper: [f64; 2],
     unit: Unit,
@@ -200,17 +225,48 @@ impl Sheet<'_> {
         let is_along = |face: &&PolygonalFace| face.along.normalize_or_zero().dot(towards).abs() > 1.0 - 1e-9;
         let polygons = self.axial.polygons.iter().filter(is_along);
         let polygons = polygons.map(|face| Circle::of_polygon(face, &plane, 1e-7 * size));
-        groups(circles.chain(polygons).collect(), size, self.resolution())
+        let corners = self.corners.iter().filter(|face| is_seen_in(face, view));
+        let corners = corners.map(|face| Circle::of_corner(face, &plane));
+        groups(circles.chain(polygons).chain(corners).collect(), size, self.resolution())
     }
 
-    /// The positions of a chain of dimensions along an axis: the ends of the model and the steps between them; empty without steps.
+    /// The positions of a chain of dimensions along an axis: the ends of the model, and the steps and the axes of radial holes between
+    /// them; empty without these.
     fn levels(&self, axis: usize) -> Vec<f64> {
-        match &self.axial.steps[axis][..] {
-            steps if (1..=MAX_STEPS).contains(&steps.len()) => {
-                [&[self.bounds.lo[axis]], steps, &[self.bounds.hi[axis]]].concat()
+        let steps = &self.axial.steps[axis];
+        let [lo, hi] = [self.bounds.lo[axis], self.bounds.hi[axis]];
+        let mut between = steps.clone();
+        for level in self.radial_holes(axis) {
+            let is_near = |other: &f64| (other - level).abs() < self.resolution();
+            if lo < level && level < hi && !between.iter().any(is_near) {
+                between.push(level);
             }
-            _ => Vec::new(),
         }
+        if between.len() > MAX_STEPS {
+            between.clone_from(steps);
+        }
+        between.sort_by(f64::total_cmp);
+        match (1..=MAX_STEPS).contains(&between.len()) {
+            true => [&[lo], &between[..], &[hi]].concat(),
+            false => Vec::new(),
+        }
+    }
+
+    /// The positions along an axis of holes whose axes meet that of a shaft or a bore along it at right angles.
+    fn radial_holes(&self, axis: usize) -> Vec<f64> {
+        let tolerance = 1e-7 * self.bounds.size().max_element();
+        let is_along = |face: &&CylindricalFace| face.axis()[axis].abs() > 1.0 - 1e-9 && face.share > 0.5;
+        let is_across =
+            |face: &&CylindricalFace| face.is_hole && face.share > 0.5 && face.axis()[axis].abs() < 1e-9;
+        let is_radial = |hole: &&CylindricalFace| {
+            let meets = |shaft: &CylindricalFace| {
+                let apart = hole.ends[0] - shaft.ends[0];
+                let normal = hole.axis().cross(shaft.axis());
+                shaft.radius > hole.radius && normal.dot(apart).abs() < tolerance
+            };
+            self.faces.iter().filter(is_along).any(meets)
+        };
+        self.faces.iter().filter(is_across).filter(is_radial).map(|hole| hole.ends[0][axis]).collect()
     }
 
     /// The space that chains of dimensions take to the left of views, and below the view from the front.
@@ -277,6 +333,25 @@ impl Sheet<'_> {
     }
 }
 
+/// True if a view shows the size of a fillet or chamfer: the first of those from the front, from above and from a side that shows its
+/// profile.
+fn is_seen_in(face: &CornerFace, view: View) -> bool {
+    let is_profile = |view: View| {
+        let (forward, _) = view.forward_and_up();
+        match face.place {
+            CornerPlace::Ring { axis, .. } => forward.dot(axis).abs() < 1e-9,
+            CornerPlace::Edge { along, .. } => forward.dot(along).abs() > 1.0 - 1e-9,
+        }
+    };
+    let is_earlier = |other: View| other != view && is_profile(other);
+    is_profile(view)
+        && match view {
+            View::Front => true,
+            View::Top => !is_earlier(View::Front),
+            _ => !is_earlier(View::Front) && !is_earlier(View::Top),
+        }
+}
+
 /// The plane of a view through a point.
 fn plane(view: View, point: Vec3) -> Cut {
     let (forward, up) = view.forward_and_up();
@@ -290,6 +365,12 @@ fn plane(view: View, point: Vec3) -> Cut {
 fn window(plane: &Cut, bounds: &Bounds) -> [[f64; 2]; 2] {
     let [u, v] = [0, 1].map(|k| plane.range(bounds, k));
     [[u[0], v[0]], [u[1], v[1]]]
+}
+
+/// A view with a margin, off the symmetry of the model: no ray runs along an edge that is parallel to the view.
+fn edge_view(plane: &Cut, [lo, hi]: [[f64; 2]; 2], step: f64) -> EdgeView {
+    let window = [lo.map(|x| x - 2.317 * step), hi.map(|x| x + 2.683 * step)];
+    EdgeView { plane: *plane, is_behind: false, window, step }
 }
 
 /// A drawing in progress.
@@ -310,10 +391,17 @@ impl Drawing<'_> {
         let [left, top, right, _] = panel.sides();
         let name = panel.view.name();
         self.svg.text("name", [left, top - 8.0], Anchor::Start, name, name);
-        for line in self.edges(evaluator, &panel.plane, panel.window, 1.0 / self.scale.pixels, run)? {
+        let view = edge_view(&panel.plane, panel.window, 1.0 / self.scale.pixels);
+        let cancelled = |_| DrawError::Render(RenderError::Cancelled);
+        let Edges { visible, hidden } =
+            all_edges(evaluator, &view, run.threads, &run.cancel).map_err(cancelled)?;
+        for line in hidden {
+            self.svg.path("hidden", panel.path(&line), "");
+        }
+        for line in visible {
             self.svg.path("edge", panel.path(&line), "");
         }
-        panel.lines(&mut self.svg, evaluator, (self.sheet.faces, &self.sheet.axial.polygons), groups);
+        panel.centre_lines(&mut self.svg, (self.sheet.faces, &self.sheet.axial.polygons), groups);
         label::draw(&mut self.svg, panel, groups, right + GAP);
         self.dimensions(panel);
         Ok(())
@@ -381,7 +469,10 @@ impl Drawing<'_> {
         }
         let lengths = [0, 1].map(|k| outer[1][k] - outer[0][k]);
         let step = (lengths[0] / (right - x)).max(lengths[1] / (bottom - top));
-        let lines = self.edges(evaluator, &plane, outer, step, run)?;
+        let view = edge_view(&plane, outer, step);
+        let lines = all_edges(evaluator, &view, run.threads, &run.cancel)
+            .map_err(|_| DrawError::Render(RenderError::Cancelled))?
+            .visible;
         let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for point in lines.iter().flatten() {
             for k in 0..2 {
@@ -397,21 +488,6 @@ impl Drawing<'_> {
         Ok(())
     }
 
-    fn edges<E: Evaluator>(
-        &self,
-        evaluator: &E,
-        plane: &Cut,
-        [lo, hi]: [[f64; 2]; 2],
-        step: f64,
-        run: &mut Run<'_>,
-    ) -> Result<Vec<Vec<[f64; 2]>>, DrawError> {
-        // a margin, off the symmetry of the model: no ray runs along an edge that is parallel to the view
-        let window = [lo.map(|x| x - 2.317 * step), hi.map(|x| x + 2.683 * step)];
-        let view = EdgeView { plane: *plane, is_behind: false, window, step };
-        visible_edges(evaluator, &view, run.threads, &run.cancel)
-            .map_err(|_| DrawError::Render(RenderError::Cancelled))
-    }
-
     /// The title, the scale, the unit and the symbol of the projection.
     fn footer(&mut self, title: &str, projection: ProjectionMethod) {
         let [width, height] = self.sheet.paper;
@@ -422,7 +498,7 @@ impl Drawing<'_> {
         let facts = format!(
             "scale {}  \u{b7}  lengths in {}  \u{b7}  {projection}",
             self.scale.text(),
-            self.sheet.unit.symbol()
+            if self.sheet.unit == Unit::Inch { "inches" } else { self.sheet.unit.symbol() }
         );
         self.svg.text("name", [width - MARGIN - 58.0, y], Anchor::End, &facts, &facts);
         symbol(&mut self.svg, [width - MARGIN - 24.0, y - 5.0], projection);

@@ -42,10 +42,9 @@ fn diameters_hole_circles_and_overall_sizes() {
         svg.split("scale 1:").nth(1).unwrap().split([' ', '.']).next().unwrap().parse::<f64>().unwrap();
     let radius = numbers(svg, "centre", "r")[0];
     assert!((radius - 47.5 * 96.0 / 25.4 / scale).abs() < 0.01, "{radius} at 1:{scale}");
-    // every hole is visible from above, and none from the front, where the bore is hidden, too
-    // (two views with the bore and eight holes each)
-    assert!(numbers(svg, "hidden", "r").is_empty(), "{svg}");
-    assert_eq!(svg.matches("class=\"hidden\"").count(), 18, "{svg}");
+    // every hole is visible from above, and none from the front, where the bore is hidden, too: two views with two lines for the bore
+    // and for the holes at each of five places, some of which are one behind the other
+    assert_eq!(svg.matches("class=\"hidden\"").count(), 24, "{svg}");
 }
 
 /// In first-angle projection the view from above is below that from the front, and the view from the left at its right.
@@ -88,7 +87,8 @@ fn hidden_holes_are_dashed() {
         transform = { translate = [10, 5, -5] }\n[solid.part]\nexpr = \"plate - hole\"\n[[region]]\nsolid = \"part\"";
     let svg = drawing(text, &TechnicalOptions::default()).unwrap().svg;
     assert!(has(&svg, "\u{2300}6 \u{d7} 4 deep"), "{svg}");
-    assert_eq!(numbers(&svg, "hidden", "r").len(), 1, "{svg}");
+    // the circle, and both sides with the floor from the front and from the right
+    assert_eq!(svg.matches("class=\"hidden\"").count(), 3, "{svg}");
 }
 
 const PLATE: &str = "rayweave = 1\n[solid.plate]\nbox_from_corners = { lo = [0, 0, 0], hi = [60, 40, 10] }\n\
@@ -101,14 +101,14 @@ const PLATE: &str = "rayweave = 1\n[solid.plate]\nbox_from_corners = { lo = [0, 
 #[test]
 fn polygonal_holes_have_sizes() {
     let flats = crate::axis::format_number(6.0 * 3f64.sqrt(), 1e-3);
-    for (z, is_hidden) in [("10", false), ("0", true)] {
+    let [above, below] = ["10", "0"].map(|z| {
         let svg = drawing(&PLATE.replace('Z', z), &TechnicalOptions::default()).unwrap().svg;
         assert!(has(&svg, &format!("hexagon {flats} across flats \u{d7} 4 deep")), "{svg}");
         assert!(has(&svg, "20 \u{d7} 8 through") && has(&svg, "\u{2300}6 through"), "{svg}");
-        // the pocket from below is dashed in the view from above; from the front and the right every hole is
-        let hidden: Vec<&str> = svg.lines().filter(|line| line.contains("class=\"hidden\"")).collect();
-        assert_eq!(hidden.len(), 6 + usize::from(is_hidden), "{svg}");
-    }
+        svg.matches("class=\"hidden\"").count()
+    });
+    // the pocket from below is dashed in the view from above; from the front and the right every hole is
+    assert_eq!(below, above + 1);
 }
 
 /// Cylinders read as prisms with 30 sides.
@@ -142,8 +142,8 @@ fn hidden_holes_behind_joints_of_faces_are_dashed() {
              {{ at = [31, 16], fillet = {fillet} }}, [31, 42], [{bore}, 42]]"
         );
         let svg = drawing(&text, &TechnicalOptions::default()).unwrap().svg;
-        // from the front and from the right
-        assert_eq!(svg.matches("class=\"hidden\"").count(), 2, "bore {bore}, fillet {fillet}: {svg}");
+        // both sides, from the front and from the right
+        assert_eq!(svg.matches("class=\"hidden\"").count(), 4, "bore {bore}, fillet {fillet}: {svg}");
     }
 }
 
@@ -214,6 +214,79 @@ fn slots_have_sizes_and_oblique_holes_a_note() {
     assert!(has(&found.svg, "2\u{d7} slot 5.5 \u{d7} 7.5 through"), "{}", found.svg);
     let note = "not shown: the diameters of cylinders at an angle to the views, \u{2300}3 through at (";
     assert!(found.notes.iter().any(|own| own.starts_with(note)), "{:?}", found.notes);
+}
+
+const HUB: &str = "rayweave = 1\n[solid.body.revolve]\noutline = [[0, 0], { at = [40, 0], chamfer = 1.5 }, { at = [40, 10], chamfer = 1.5 }, \
+    { at = [16, 10], fillet = 4 }, { at = [16, 32], chamfer = 1.5 }, [0, 32]]\n[solid.bore]\ncylinder = { radius = 10 }\n\
+    [solid.pin]\ncylinder = { radius = 2, height = 40 }\ntransform = [{ rotate_y = 90 }, { translate = [20, 0, 22] }]\n\
+    [solid.part]\nexpr = \"body - bore - pin\"\n[[region]]\nsolid = \"part\"";
+
+/// A flange with a hub: three chamfers of one size, the fillet of the hub, and the height of a radial hole.
+#[test]
+fn fillets_chamfers_and_radial_holes_have_sizes() {
+    let svg = drawing(HUB, &TechnicalOptions::default()).unwrap().svg;
+    assert!(has(&svg, "3\u{d7} 1.5 \u{d7} 45\u{b0}") && has(&svg, "R4"), "{svg}");
+    // the flange, from its face to the hole, and from there to the end of the hub
+    for value in ["10", "12"] {
+        assert!(has(&svg, value), "{value}: {svg}");
+    }
+    assert_eq!(svg.matches(">10</text>").count(), 2, "{svg}");
+    let steep = HUB.replace("[16, 32], chamfer = 1.5 }", "[16, 30] }, [15, 32]");
+    let svg = drawing(&steep, &TechnicalOptions::default()).unwrap().svg;
+    let angle = crate::axis::format_number(0.5f64.atan().to_degrees(), 0.01);
+    assert!(has(&svg, &format!("2 \u{d7} {angle}\u{b0}")), "{svg}");
+    let block = "rayweave = 1\n[solid.block.extrude]\noutline = [{ at = [0, 0], chamfer = 2 }, [50, 0], { at = [50, 30], chamfer = 2 }, [0, 30]]\n\
+        height = 12";
+    let svg = drawing(block, &TechnicalOptions::default()).unwrap().svg;
+    assert!(has(&svg, "2\u{d7} 2 \u{d7} 45\u{b0}"), "{svg}");
+    // the sides of a hexagon are no chamfers
+    let nut = "rayweave = 1\n[solid.plate]\nbox = { size = [80, 80, 6] }\n[solid.nut]\nprism = { sides = 6, radius = 5, height = 20 }\n\
+        [solid.part]\nexpr = \"plate - nut\"\n[[region]]\nsolid = \"part\"";
+    let svg = drawing(nut, &TechnicalOptions::default()).unwrap().svg;
+    assert!(!svg.contains('\u{b0}'), "{svg}");
+}
+
+/// Slots and holes in a shaft are as deep as on their axes, in the middle of the shaft or beside it.
+#[test]
+fn depths_in_curved_faces_are_those_on_the_axis() {
+    let slot = |y: f64| {
+        format!(
+            "rayweave = 1\n[solid.shaft]\ncylinder = {{ radius = 10, height = 60 }}\n[solid.slot.extrude]\noutline = [{{ at = [-9, -3] }}, \
+             {{ at = [9, -3], through = [12, 0] }}, [9, 3], {{ at = [-9, 3], through = [-12, 0] }}]\nheight = 6\n[solid.key]\nexpr = \"slot\"\n\
+             transform = [{{ rotate_y = 90 }}, {{ translate = [6.5, {y}, 2] }}]\n[solid.part]\nexpr = \"shaft - key\"\n[[region]]\nsolid = \"part\""
+        )
+    };
+    let svg = drawing(&slot(0.0), &TechnicalOptions::default()).unwrap().svg;
+    assert!(has(&svg, "slot 6 \u{d7} 24 \u{d7} 3.5 deep"), "{svg}");
+    let svg = drawing(&slot(1.0), &TechnicalOptions::default()).unwrap().svg;
+    let deep = crate::axis::format_number(99f64.sqrt() - 6.5, 1e-3);
+    assert!(has(&svg, &format!("slot 6 \u{d7} 24 \u{d7} {deep} deep")), "{svg}");
+    let hole = "rayweave = 1\n[solid.s]\ncylinder = { radius = 10, height = 60 }\n[solid.h]\ncylinder = { radius = 3, height = 20 }\n\
+        transform = [{ rotate_y = 90 }, { translate = [15, 0, 7] }]\n[solid.part]\nexpr = \"s - h\"\n[[region]]\nsolid = \"part\"";
+    let svg = drawing(hole, &TechnicalOptions::default()).unwrap().svg;
+    assert!(has(&svg, "\u{2300}6 \u{d7} 5 deep"), "{svg}");
+}
+
+/// A cube as a mesh has the edges of a cube, which are seen at a slant, too, and a note.
+#[test]
+fn meshes_have_edges_and_a_note() {
+    let cube = |shape: &str| {
+        let text = format!("rayweave = 1\n[solid.cube]\n{shape}");
+        drawing(&text, &TechnicalOptions::default()).unwrap()
+    };
+    let mesh = cube(
+        "mesh = { vertices = [[0, 0, 0], [9, 0, 0], [0, 9, 0], [9, 9, 0], [0, 0, 9], [9, 0, 9], [0, 9, 9], [9, 9, 9]], \
+         faces = [[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4], [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]] }",
+    );
+    let exact = cube("box_from_corners = { lo = [0, 0, 0], hi = [9, 9, 9] }");
+    let edges = |drawing: &TechnicalDrawing| drawing.svg.matches("class=\"edge\"").count();
+    assert_eq!(edges(&mesh), edges(&exact), "{}", mesh.svg);
+    assert!(
+        mesh.notes.iter().any(|note| note.contains("no diameters")) && has(&mesh.svg, MESH_NOTE),
+        "{:?}",
+        mesh.notes
+    );
+    assert!(exact.notes.is_empty() && !has(&exact.svg, MESH_NOTE), "{:?}", exact.notes);
 }
 
 /// The view at a slant looks along the diagonal of a cube: along the axes x, y and z in equal parts.
