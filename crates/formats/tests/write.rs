@@ -328,7 +328,9 @@ fn a_failed_write_has_a_reason() {
     }
     let fine = WriteOptions { tolerance: Some(1e-12), text: false, ..WriteOptions::default() };
     let refused = write(&ball, None, Format::Mesh(MeshFormat::Stl), &fine).unwrap_err().to_string();
-    assert!(refused.contains("a circle needs more than 20000 vertices"), "{refused}");
+    assert!(refused.contains("a circle of radius 1 needs more than 20000 vertices"), "{refused}");
+    // 1 - cos(pi / 20000) = 1.23e-8, twice for a curve
+    assert!(refused.contains("a tolerance of 2.6e-8 is large enough"), "{refused}");
     let fine = WriteOptions { tolerance: Some(1e-7), text: false, ..WriteOptions::default() };
     let refused = write(&ball, None, Format::Mesh(MeshFormat::Stl), &fine).unwrap_err().to_string();
     assert!(refused.contains("it needs more than 4194304 vertices"), "{refused}");

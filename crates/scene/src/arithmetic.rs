@@ -336,6 +336,9 @@ mod tests {
         check_fault("1 + * 2", (4, 5), "unexpected `*`: a number or a parameter is missing before it.");
         check_fault("2e", (1, 2), "an operator is missing before this: the operators are + - * / ^.");
         check_fault("2 R", (2, 3), "an operator is missing before this: the operators are + - * / ^.");
+        let no_unit = "numbers have no unit; lengths are in the unit of the model, angles in degrees";
+        let advice = "Write 60, or 60 * mm for a product with a parameter";
+        check_fault("60mm", (2, 4), &format!("`mm` follows a number: {no_unit}. {advice}"));
         check_fault("2(3)", (1, 2), "an operator is missing before this: the operators are + - * / ^.");
         check_fault("(1", (0, 1), "unmatched `(`: there is no `)` after it.");
         check_fault("1)", (1, 2), "unmatched `)`: there is no `(` before it.");

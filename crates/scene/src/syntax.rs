@@ -6,6 +6,7 @@
 
 use crate::fault::Fault;
 use crate::source::Span;
+use crate::unit::Unit;
 use std::borrow::Cow;
 
 /// Associativity of operators of equal precedence.
@@ -51,6 +52,11 @@ pub(crate) enum ItemKind<'a> {
     Infix(&'a str, usize),
     /// Replaces the last `n` values, n >= 0.
     Call(&'a str, usize),
+}
+
+/// True for the symbol of a unit.
+fn is_unit(name: &str) -> bool {
+    Unit::parse(name).is_some() || ["inch", "deg", "rad"].contains(&name)
 }
 
 /// Parses a complete text.
@@ -245,7 +251,16 @@ impl<'a> Yard<'a, '_> {
 
     fn operand(&mut self, kind: ItemKind<'a>, span: Span) -> Result<(), Fault> {
         if !self.want_operand {
-            return Err(self.missing_operator(span));
+            return Err(match (&kind, self.output.last().map(|last| &last.kind)) {
+                (ItemKind::Name(name), Some(ItemKind::Number(number))) if is_unit(name) => {
+                    let reason =
+                        "numbers have no unit; lengths are in the unit of the model, angles in degrees";
+                    let advice =
+                        format!("Write {number}, or {number} * {name} for a product with a parameter");
+                    Fault::new(span, format!("`{name}` follows a number"), reason).suggest(Some(advice))
+                }
+                _ => self.missing_operator(span),
+            });
         }
         self.output.push(Item { kind, span });
         self.want_operand = false;

@@ -554,6 +554,9 @@ fn physical_numbers_of_media() {
             "rayweave = 1\n[parameters]\nrho = 2\n[solid.a]\nsphere = {{ radius = 'rho' }}\n[medium.a]\ndensity = {density}\n"
         )
     };
+    let (_, scene) = parse(&model("7850")).unwrap();
+    let warned = scene.warnings.to_string();
+    assert!(warned.contains("is 22.6. Did you mean 7.85?"), "{warned}");
     for (density, expected) in [("7.8", 7.8), ("'2 * rho'", 4.0), ("0", 0.0)] {
         let (_, scene) = parse(&model(density)).unwrap();
         assert_eq!(scene.media[1].numbers, [("density".to_owned(), expected)], "{density}");

@@ -83,8 +83,12 @@ impl<'m> Triangulator<'m, '_> {
         }
     }
 
+    /// The error about triangles; a tolerance that needs too many of them is one of the options, not of the model.
     fn failed(&self, why: String) -> WriteError {
-        WriteError::Kernel { region: self.region(), why }
+        match facets::is_too_fine(&why) {
+            true => WriteError::TooLarge { region: self.region(), why },
+            false => WriteError::Kernel { region: self.region(), why },
+        }
     }
 
     fn frame(&self) -> Frame<'m> {
@@ -171,7 +175,10 @@ impl Builder for Triangulator<'_, '_> {
         place: &Affine,
         within: &Bounds,
     ) -> Result<Option<Part>, WriteError> {
-        let failed = |why: String| self.failed(format!("`{}`: {why}", shape.name()));
+        let failed = |why: String| match facets::is_too_fine(&why) {
+            true => self.failed(why),
+            false => self.failed(format!("`{}`: {why}", shape.name())),
+        };
         if self.way == Way::Profiles
             && let Some(turned) = Turned::of(shape, place, self.frame()).map_err(failed)?
         {

@@ -123,14 +123,24 @@ fn physical(context: &mut Context, numbers: &Numbers, key: &str, value: &Spanned
         }
     };
     let holds = |value: f64| value >= 0.0 && value.is_finite();
-    numbers.checked(
+    let found = numbers.checked(
         context,
         &format!("`{key}`"),
         &Spanned::new(number, value.span),
         "finite and at least 0",
         holds,
-    )
+    );
+    if let Some(density) = found.filter(|&found| key == "density" && found > MAX_DENSITY) {
+        let problem = Diagnostic::warning(format!("`density` is {density}"))
+            .why("a density is in g/cm3, and that of osmium, the densest element, is 22.6")
+            .suggest(Some(format!("Did you mean {}?", density / 1000.0)));
+        context.push(problem, value.span);
+    }
+    found
 }
+
+/// The density above which there is a warning, in g/cm3: a value in kg/m3 is a thousand times too large.
+const MAX_DENSITY: f64 = 25.0;
 
 /// The media by number and by name.
 struct Media {

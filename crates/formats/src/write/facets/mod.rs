@@ -22,6 +22,11 @@ use rayweave_shape::surface::Surface;
 pub(super) use revolved::circle_count;
 use revolved::{Profile, revolved};
 
+/// True if the reason of a failure is a number of vertices that grows with a finer tolerance.
+pub(super) fn is_too_fine(why: &str) -> bool {
+    why.contains("needs more than") && why.contains("vertices")
+}
+
 /// Input for the tessellation of a shape.
 pub(super) struct Request<'a> {
     pub shape: &'a Primitive,

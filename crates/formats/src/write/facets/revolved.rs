@@ -15,7 +15,14 @@ pub(super) struct Profile {
 /// [`rayweave_math::circle_count`], or the reason that there is none.
 pub(in crate::write) fn circle_count(radius: f64, tolerance: f64) -> Result<usize, String> {
     let count = rayweave_math::circle_count(radius, tolerance);
-    count.ok_or_else(|| format!("a circle needs more than {MAX_AROUND} vertices"))
+    // callers may pass half of the tolerance that was requested
+    let least = 2.0 * radius * (1.0 - libm::cos(std::f64::consts::PI / MAX_AROUND as f64));
+    count.ok_or_else(|| {
+        let least = rayweave_math::round_to_digits(1.05 * least, 2);
+        format!(
+            "a circle of radius {radius} needs more than {MAX_AROUND} vertices; a tolerance of {least:e} is large enough for it"
+        )
+    })
 }
 
 impl Profile {
