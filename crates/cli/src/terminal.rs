@@ -251,6 +251,11 @@ pub fn count(number: u64, name: &str) -> String {
     format!("{number} {name}{ending}")
 }
 
+/// The name of a unit in a sentence: its symbol, except that of inches, which is a word.
+pub fn unit_name(symbol: &str) -> &str {
+    if symbol == "in" { "inches" } else { symbol }
+}
+
 /// Formats a number with three significant digits.
 pub fn short3(x: f64) -> String {
     short(rounded(x, 3))

@@ -173,6 +173,27 @@ pub fn between(svg: &mut Svg, [a, b]: [[f64; 2]; 2], value: &str) {
     svg.text("size", [x, y], anchor, value, value);
 }
 
+/// Draws a diameter between two points in pixels: a line with arrows inside and the value above it; or, without room for the value,
+/// like [`between`].
+pub fn across(svg: &mut Svg, [a, b]: [[f64; 2]; 2], value: &str) {
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    let length = libm::hypot(dx, dy);
+    if length < LETTER * value.chars().count() as f64 + 2.0 * ARROW[0] {
+        return between(svg, [a, b], value);
+    }
+    // readable from below or from the right
+    let is_backward = dx < -1e-6 * length || dx.abs() <= 1e-6 * length && dy > 0.0;
+    let ([from, to], d) = match is_backward {
+        true => ([b, a], [-dx / length, -dy / length]),
+        false => ([a, b], [dx / length, dy / length]),
+    };
+    svg.path("dimension", line(from, to), "");
+    svg.path("arrow", arrow(from, d.map(|part| -part)) + &arrow(to, d), "");
+    let middle = [0, 1].map(|k| 0.5 * (from[k] + to[k]));
+    let place = [middle[0] + ABOVE * d[1], middle[1] - ABOVE * d[0]];
+    svg.middle_text("value", place, libm::atan2(d[1], d[0]).to_degrees(), value);
+}
+
 /// An arrow with its tip at a point and this direction.
 pub fn arrow(tip: [f64; 2], d: [f64; 2]) -> String {
     let [long, half] = ARROW;

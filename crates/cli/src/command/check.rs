@@ -244,7 +244,11 @@ impl Check {
             .map(|(kind, name)| format!("{name} {}", of(*kind)))
             .collect();
         let found = if counts.is_empty() { "nothing found".to_owned() } else { counts.join(", ") };
-        let mut text = format!("{model}: {found}; lengths in {unit}\n{}", scope(report, self.cells));
+        let mut text = format!(
+            "{model}: {found}; lengths in {}\n{}",
+            terminal::unit_name(unit),
+            scope(report, self.cells)
+        );
         for (kind, name) in FindingKind::ALL {
             let mut printed = 0;
             for group in grouped(report.of(kind)) {
@@ -445,7 +449,8 @@ fn scope(report: &CheckReport, cells: u32) -> String {
     }
     if scope.edges_left_out > 0 {
         text += &format!(
-            "not searched for walls and gaps: {} faces, edges, pairs of edges or narrow places\n",
+            "not searched for walls and gaps: {} faces, edges, pairs of edges or narrow places, which the rays of one check do not suffice for (--within checks a part; a model \
+             file of shapes has fewer than its mesh)\n",
             scope.edges_left_out
         );
     }

@@ -55,6 +55,10 @@ pub struct Convert {
     allow_unsound: bool,
 }
 
+/// Extensions of formats of CAD programs, which hold boundary representations.
+const CAD: [&str; 13] =
+    ["step", "stp", "iges", "igs", "brep", "sat", "x_t", "x_b", "sldprt", "ipt", "f3d", "fcstd", "dwg"];
+
 impl Convert {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let format = self.format()?;
@@ -122,6 +126,14 @@ impl Convert {
                 }
             };
             let known = Format::NAMES.join(", ");
+            let ending = self.out.extension().map(|own| own.to_string_lossy().to_ascii_lowercase());
+            if let Some(ending) = ending.filter(|own| CAD.contains(&own.as_str())) {
+                return Failure::Usage(format!(
+                    "{}: .{ending} files cannot be written: they hold surfaces with trimmed edges, and Rayweave writes shapes or \
+                     triangles. For other CAD programs write .3mf or .stl, or .csg for OpenSCAD and FreeCAD.",
+                    self.out.display()
+                ));
+            }
             Failure::Usage(format!("{problem}. Set the format with --to: {known}."))
         };
         match self.out == Path::new("-") {

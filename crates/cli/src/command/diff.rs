@@ -212,7 +212,8 @@ impl Diff {
             false => "different".to_owned(),
         };
         let rays = report.rays;
-        let mut text = format!("A {a}\nB {b}\n{verdict}: {rays} rays, lengths in {unit}.\n\n");
+        let mut text =
+            format!("A {a}\nB {b}\n{verdict}: {rays} rays, lengths in {}.\n\n", terminal::unit_name(unit));
         let rows = report.pairs.iter().map(|pair| {
             let volume = interval::text;
             let verdict = verdict_of(pair);

@@ -62,7 +62,12 @@ impl Info {
                 terminal::print(&match self.json {
                     true => format!("{:#}\n", self.mesh_file_json(meshes)),
                     false => {
-                        format!("{}: lengths in {}\n\n{}", self.model.name(), meshes.unit, meshes.text())
+                        format!(
+                            "{}: lengths in {}\n\n{}",
+                            self.model.name(),
+                            terminal::unit_name(meshes.unit.symbol()),
+                            meshes.text()
+                        )
                     }
                 })?;
                 return match self.explain {
@@ -134,7 +139,7 @@ impl Info {
             return terminal::print(&format!("{json:#}\n"));
         }
         let name = if lens.name.is_empty() { String::new() } else { format!(" {},", lens.name) };
-        let mut text = format!("{}:{name} lengths in {unit}\n\n", self.model.name());
+        let mut text = format!("{}:{name} lengths in {}\n\n", self.model.name(), terminal::unit_name(unit));
         text += &prescription_text(&lens, &sizes, unit);
         let lines: Vec<String> = lines.into_iter().map(terminal::short).collect();
         text += &format!("\nfields       {}\nwavelengths  {} nm\n\n", fields.join(", "), lines.join(", "));
@@ -162,7 +167,8 @@ impl Info {
 
     fn as_text(&self, scene: &Scene, compiled: &Compiled) -> String {
         let name = self.model.name();
-        let mut text = format!("{name}: {}, lengths in {}\n\n", counts(scene), scene.unit);
+        let mut text =
+            format!("{name}: {}, lengths in {}\n\n", counts(scene), terminal::unit_name(scene.unit.symbol()));
         if !scene.regions.is_empty() {
             text += &regions(scene, compiled);
             text += "\n";

@@ -43,13 +43,17 @@ pub struct Render {
     #[arg(long, value_parser = PossibleValuesParser::new(View::ALL.map(View::name).into_iter().chain([SHEET])))]
     view: Option<String>,
 
-    /// Make --view sheet a technical drawing to a standard scale: visible edges, centre lines, overall sizes, distances of steps, diameters of holes and shafts, sizes of polygonal holes, depths, circles of holes. The size is in units of 1/96 inch [default: A4, 1123x794]
+    /// Make --view sheet a technical drawing to a standard scale: visible edges, centre lines, hidden edges, overall sizes, distances of steps and radial holes, diameters of holes and shafts, sizes of polygonal holes, depths, circles of holes, fillets, chamfers. The size is in units of 1/96 inch [default: A4, 1123x794]
     #[arg(long, requires = "view", conflicts_with_all = ["legend", "explode", "kind", "range"])]
     dimensions: bool,
 
     /// Arrangement of the views of --dimensions: `first` places the view from above below that from the front, as in Europe, `third` above it
     #[arg(long, value_name = "ANGLE", requires = "dimensions", default_value = "third", value_parser = PossibleValuesParser::new(ProjectionMethod::ALL.map(|(_, name)| name)))]
     projection: String,
+
+    /// Title of the drawing of --dimensions [default: the name of the model file]
+    #[arg(long, value_name = "TEXT", requires = "dimensions")]
+    title: Option<String>,
 
     /// Add a legend of the media's colours below the picture
     #[arg(long)]
@@ -203,7 +207,8 @@ impl Render {
         let mut run = Run { threads: global.threads, cancel: interrupt::token(), progress: None };
         let projection = self.projection.parse().unwrap_or_default();
         let options = TechnicalOptions { size: self.size, projection };
-        let (name, evaluator) = (self.model.name(), chosen.evaluator.evaluator());
+        let name = self.title.clone().unwrap_or_else(|| self.model.name());
+        let evaluator = chosen.evaluator.evaluator();
         let drawn = technical_drawing(evaluator, &name, scene.unit, &options, &mut run)?;
         chosen.finish()?;
         drawn.notes.iter().for_each(|note| terminal::note(&format!("note: {note}")));

@@ -6,6 +6,7 @@ use crate::terminal::{self, Unit};
 use crate::{drawing, interrupt};
 use clap::Args;
 use rayweave::draw::{EdgeView, visible_edges};
+use rayweave::features::{CylindricalFace, cylindrical_faces};
 use rayweave::scene::Scene;
 use rayweave::section::{
     By, CrossSection, SectionPlane, SectionRun, SectionSettings, SectionStyle, cross_sections,
@@ -31,9 +32,9 @@ pub struct Section {
     #[command(flatten)]
     within: WithinArguments,
 
-    /// Plane: xy, xz, yz, the axis perpendicular to it (z is xy), or a position along an axis, such as z=0.5
-    #[arg(long, value_name = "PLANE", default_value = "xy", value_parser = plane, conflicts_with_all = ["point", "normal"])]
-    plane: SectionPlane,
+    /// Plane: xy, xz, yz, the axis perpendicular to it (z is xy), or a position along an axis, such as z=0.5, or z=50% of the model's bounding box from its lower end
+    #[arg(long, value_name = "PLANE", default_value = "xy", value_parser = plane_argument, conflicts_with_all = ["point", "normal"])]
+    plane: PlaneArgument,
 
     /// A point of the plane; needs --normal
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "normal")]
@@ -79,7 +80,7 @@ pub struct Section {
     #[arg(long, value_name = "NAME", requires = "hatch")]
     no_hatch: Vec<String>,
 
-    /// Add the overall width and height, rounded by the tolerance, to the picture of a single plane (ISO 129-1)
+    /// Add the overall width and height, rounded by the tolerance, and the diameters and centre lines of holes that the plane cuts along their axes, to the picture of a single plane (ISO 129-1)
     #[arg(long, conflicts_with = "from")]
     dimensions: bool,
 
@@ -98,6 +99,50 @@ pub struct Section {
     /// Print JSON, with all contours
     #[arg(long)]
     json: bool,
+}
+
+/// A plane of the command line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum PlaneArgument {
+    Plane(SectionPlane),
+    /// The axis, and the fraction of the bounding box of the model along it.
+    Part(usize, f64),
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+impl PlaneArgument {
+    /// The plane in a model with these bounds, which only a percentage needs.
+    fn in_bounds(
+        self,
+        bounds: impl FnOnce() -> Result<rayweave::Bounds, Failure>,
+    ) -> Result<SectionPlane, Failure> {
+        let (axis, part) = match self {
+            PlaneArgument::Plane(plane) => return Ok(plane),
+            PlaneArgument::Part(axis, part) => (axis, part),
+        };
+        let (bounds, name) = (bounds()?, AXES[axis]);
+        let [lo, hi] = [bounds.lo[axis], bounds.hi[axis]];
+        if !(lo.is_finite() && hi.is_finite()) || bounds.is_empty() {
+            let problem =
+                format!("--plane {name}={}%: the model is empty, or unbounded along {name}", 100.0 * part);
+            return Err(Failure::Usage(format!("{problem}. Give a coordinate, such as {name}=0.")));
+        }
+        Ok(format!("{name}={}", lo + part * (hi - lo)).parse()?)
+    }
+}
+
+/// Parses a plane, or a percentage such as `y=50%`.
+fn plane_argument(text: &str) -> Result<PlaneArgument, String> {
+    let Some(rest) = text.trim().strip_suffix('%') else { return plane(text).map(PlaneArgument::Plane) };
+    let part = rest.split_once('=').and_then(|(axis, percent)| {
+        let axis = AXES.iter().position(|own| axis.trim().eq_ignore_ascii_case(own))?;
+        let percent = percent.trim().parse().ok().filter(|percent| (0.0..=100.0).contains(percent))?;
+        Some(PlaneArgument::Part(axis, percent / 100.0))
+    });
+    part.ok_or_else(|| {
+        format!("the plane `{text}` is invalid: a percentage is 0% to 100% of the model, such as y=50%")
+    })
 }
 
 /// Parses a plane.
@@ -122,8 +167,8 @@ fn note_faces(found: &[CrossSection]) {
 impl Section {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         self.out.iter().try_for_each(|path| check(path))?;
-        let planes = self.planes()?;
         let scene = self.model.load()?;
+        let planes = self.planes(&scene)?;
         self.check_unhatched(&scene)?;
         let by = if self.is_by_region() { By::Region } else { By::Medium };
         let run = SectionRun { threads: global.threads, cancel: interrupt::token() };
@@ -139,7 +184,16 @@ impl Section {
         note_faces(&found);
         self.reject_missed_planes(&scene, &found)?;
         let edges = self.edges_beyond(&scene, &found, global)?;
-        self.out.iter().try_for_each(|path| self.save(path, (&found, &edges), scene.unit.symbol()))?;
+        let cylinders = match self.dimensions {
+            true => {
+                let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
+                let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program)?;
+                cylindrical_faces(&evaluator).faces
+            }
+            false => Vec::new(),
+        };
+        let save = |path: &PathBuf| self.save(path, (&found, &edges, &cylinders), scene.unit.symbol());
+        self.out.iter().try_for_each(save)?;
         let is_taken = self.out.iter().any(|path| path == Path::new("-"));
         match () {
             () if is_taken => Ok(()),
@@ -192,12 +246,13 @@ impl Section {
         Ok(visible_edges(&evaluator, &view, global.threads, &interrupt::token())?)
     }
 
-    fn planes(&self) -> Result<Vec<SectionPlane>, Failure> {
+    fn planes(&self, scene: &Scene) -> Result<Vec<SectionPlane>, Failure> {
+        let bounds = || Ok(Compiled::named(scene, self.subject.solid.as_deref())?.program.bounds());
         let plane = match self.normal {
             Some(normal) => {
                 SectionPlane::new(Vec3::from(self.point.unwrap_or_default()), Vec3::from(normal))?
             }
-            None => self.plane,
+            None => self.plane.in_bounds(bounds)?,
         };
         let (Some(from), Some(to)) = (self.from, self.to) else { return Ok(vec![plane]) };
         if self.normal.is_none() && plane.offset() != 0.0 {
@@ -238,7 +293,7 @@ impl Section {
     fn save(
         &self,
         path: &Path,
-        (found, edges): (&[CrossSection], &[Vec<[f64; 2]>]),
+        (found, edges, cylinders): (&[CrossSection], &[Vec<[f64; 2]>], &[CylindricalFace]),
         unit: &str,
     ) -> Result<(), Failure> {
         match is_dxf(path) {
@@ -248,6 +303,7 @@ impl Section {
                     hatch: self.hatch,
                     unhatched: &self.no_hatch,
                     dimensions: self.dimensions,
+                    cylinders,
                 };
                 let name = self.model.name();
                 let svg = match found {
@@ -263,8 +319,10 @@ impl Section {
         let (model, unit) = (self.model.name(), scene.unit.symbol());
         let tolerance = found.iter().map(|section| section.tolerance).fold(0.0, f64::max);
         let tolerance = terminal::short(tolerance);
-        let mut text =
-            format!("{model}: contours within {tolerance} {unit} of the truth, lengths in {unit}\n\n");
+        let mut text = format!(
+            "{model}: contours within {tolerance} {unit} of the truth, lengths in {}\n\n",
+            terminal::unit_name(unit)
+        );
         let rows = found.iter().flat_map(|section| {
             section.parts.iter().map(|part| {
                 // as many digits as are accurate at this tolerance

@@ -28,6 +28,9 @@ const OUTLINES: [(&str, &str, &str, &str); 2] = [
     ),
 ];
 
+/// Keys of outlines, which other programs have as operations.
+const CORNERS: [&str; 2] = ["fillet", "chamfer"];
+
 impl Shapes {
     pub fn run(&self) -> Result<(), Failure> {
         match &self.name {
@@ -55,6 +58,10 @@ fn page(name: &str) -> Result<String, Failure> {
     }
     match manual(name) {
         Some(page) => Ok(format!("# {}\n\n{}\n", page.name, page.text.trim_end())),
+        None if CORNERS.contains(&name) => Err(Failure::Usage(format!(
+            "unknown shape `{name}`: a {name} is no shape but a key of a point of an outline, or of the rim of an extrusion. See \
+             `rayweave shapes extrude` and `rayweave shapes revolve`."
+        ))),
         // the library composes the message for an unknown name
         None => {
             Err(Failure::Usage(build(name, &[]).map_or_else(|error| error.to_string(), |_| name.to_owned())))

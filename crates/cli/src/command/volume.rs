@@ -213,8 +213,10 @@ impl Volume {
         let (model, unit) = (self.model.name(), scene.unit.symbol());
         let percent = terminal::short(self.sampling.confidence * 100.0);
         let rays = report.rays;
-        let mut text =
-            format!("{model}: {percent} % confidence intervals from {rays} rays, lengths in {unit}\n\n");
+        let mut text = format!(
+            "{model}: {percent} % confidence intervals from {rays} rays, lengths in {}\n\n",
+            terminal::unit_name(unit)
+        );
         let has_mass = report.regions.iter().any(|region| region.mass.is_some());
         let has_formula = report.regions.iter().any(|region| region.exact_volume.is_some());
         let mut header = vec!["region", "medium", "volume"];

@@ -61,6 +61,8 @@ fn every_shape_has_a_page() {
         bench.write("example.toml", format!("rayweave = 1\n{example}"));
         assert!(bench.says(&["info", "example.toml"]).contains("1 solid"));
     }
+    let corner = bench.fails(2, &["shapes", "fillet"]);
+    assert!(corner.contains("`rayweave shapes extrude` and `rayweave shapes revolve`"), "{corner}");
     let message = bench.fails(2, &["shapes", "torrus"]);
     assert!(message.contains("Did you mean `torus`?"), "{message}");
 }

@@ -196,6 +196,11 @@ fn technical_drawings() {
     let section = "section plate.toml --plane x=0 --hatch --dimensions -o section.svg";
     assert!(cut.contains(&format!("`rayweave {section}`")), "{cut}");
     bench.says(&section.split(' ').collect::<Vec<_>>());
+    // the advice for a percentage works, too
+    let cut = bench.fails(2, &[&draw[..], &["--cut", "y<50%", "-o", "p.svg"]].concat());
+    let section = section.replace("x=0", "y=50%");
+    assert!(cut.contains(&format!("`rayweave {section}`")), "{cut}");
+    bench.says(&section.split(' ').collect::<Vec<_>>());
 }
 
 #[test]

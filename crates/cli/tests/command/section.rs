@@ -60,6 +60,18 @@ fn drawings_of_a_stack() {
     assert!(bench.says(&["section", "ball.toml", "-o", "-"]).starts_with("<svg "));
 }
 
+/// The ball has radius 1: three quarters of the way from -1 to 1.
+#[test]
+fn percentages_of_the_model() {
+    let bench = bench();
+    let of = |plane: &str| bench.says(&["section", "ball.toml", "--plane", plane]);
+    assert_eq!(of("z=75%"), of("z=0.5"));
+    for plane in ["z=101%", "w=50%", "z=%", "50%"] {
+        let failed = bench.fails(2, &["section", "ball.toml", "--plane", plane]);
+        assert!(failed.contains("such as y=50%"), "{failed}");
+    }
+}
+
 #[test]
 fn refusals() {
     let bench = bench();

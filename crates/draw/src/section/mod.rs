@@ -17,6 +17,7 @@
 //! ```
 
 mod arcs;
+mod bores;
 mod dxf;
 mod hatch;
 mod svg;

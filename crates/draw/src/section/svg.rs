@@ -1,10 +1,11 @@
 //! Cross-sections as SVG.
 
-use super::hatch;
+use super::{bores, hatch};
 use crate::dimension;
 use crate::legend::{self, Entry, Swatch};
 use crate::plan::Plan;
 use crate::svg::{Anchor, Svg};
+use rayweave_analysis::features::CylindricalFace;
 use rayweave_analysis::section::{CrossSection, SectionPart, SectionPlane};
 use rayweave_math::Vec3;
 use rayweave_scene::Colour;
@@ -30,6 +31,7 @@ const STYLE: &str = "\
 .cut { stroke: none; fill-rule: evenodd }
 .hatch { fill: none; stroke: currentColor; stroke-width: 0.6 }
 .outline { fill: none; stroke: #1d2733; stroke-width: 1; stroke-linejoin: round }
+.centre { fill: none; stroke: #3d6ea8; stroke-width: 0.7; stroke-dasharray: 12 3 2 3 }
 .beyond { fill: none; stroke: currentColor; stroke-width: 0.8; stroke-linejoin: round }
 @media (prefers-color-scheme: dark) {
 .cut { fill-opacity: 0.75 }
@@ -38,7 +40,7 @@ const STYLE: &str = "\
 ";
 
 /// Additional contents of a drawing of sections.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SectionStyle<'a> {
     /// Hatched cut faces (ISO 128-50), each part in another direction or at another distance; the colours are pale.
     pub hatch: bool,
@@ -46,6 +48,9 @@ pub struct SectionStyle<'a> {
     pub unhatched: &'a [String],
     /// The overall width and height of a single section (ISO 129-1). Stacks have no dimensions.
     pub dimensions: bool,
+    /// The cylindrical faces of the model, for the centre lines and diameters of holes that a section with dimensions cuts along their
+    /// axes.
+    pub cylinders: &'a [CylindricalFace],
 }
 
 /// Draws one section, or a stack side by side: parts filled with their colours, a legend and a scale bar. Lengths are in `unit`.
@@ -136,6 +141,9 @@ fn drawing(
             let [right, bottom] = plan.position([hi[0], lo[1]]);
             let [width, height] = [0, 1].map(|k| dimension::value(hi[k] - lo[k], 2.0 * section.tolerance));
             dimension::draw(&mut svg, [left, top, right, bottom], &width, &height);
+            if let Ok(cut) = section.plane.cut() {
+                bores::draw(&mut svg, &plan, &cut, style.cylinders, section.tolerance);
+            }
         }
         if let Some((ends, text)) = thickness {
             dimension::between(&mut svg, ends.map(|end| plan.position(end)), text);
