@@ -129,9 +129,8 @@ fn understand(
             Ok(Imported::from_scene(scene, report))
         }
         Format::Gdml => {
-            report::refuse_overrides(&source, format, overrides)?;
             report::refuse_unit(&source, format, options)?;
-            gdml::read(&source, options)
+            gdml::read(&source, overrides, options)
         }
         Format::Mesh(kind) => {
             report::refuse_overrides(&source, format, overrides)?;

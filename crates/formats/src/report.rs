@@ -14,6 +14,9 @@ pub enum LossKind {
     Approximated,
     /// Something other than geometry is missing.
     Dropped,
+    /// A reference names nothing in the file: a material, an optical surface, the matrix of a property, or the volume or placement of
+    /// an optical surface. The geometry is complete.
+    Undefined,
     /// A part of the geometry is missing.
     Refused,
 }
@@ -23,6 +26,7 @@ impl fmt::Display for LossKind {
         f.write_str(match self {
             LossKind::Approximated => "approximated",
             LossKind::Dropped => "dropped",
+            LossKind::Undefined => "undefined",
             LossKind::Refused => "refused",
         })
     }
@@ -39,6 +43,16 @@ pub struct Loss {
     pub first: Diagnostic,
     /// Number of occurrences.
     pub count: usize,
+}
+
+impl Loss {
+    /// The first position, as `file:line:column` or, in a text without a file, `line:column`.
+    #[must_use]
+    pub fn place(&self) -> Option<String> {
+        let (line, column) = self.first.line_column()?;
+        let file = self.first.path().map_or(String::new(), |path| format!("{}:", path.display()));
+        Some(format!("{file}{line}:{column}"))
+    }
 }
 
 /// All losses, in order of occurrence.
@@ -81,13 +95,28 @@ impl Report {
         self.iter().filter(|loss| loss.kind == kind).map(|loss| loss.count).sum()
     }
 
+    /// The undefined references that the lint of optical properties does not find: it finds the placements of border surfaces.
+    pub fn undefined(&self) -> impl Iterator<Item = &Loss> {
+        self.iter().filter(|loss| {
+            loss.kind == LossKind::Undefined && !loss.first.message().starts_with("unknown placement")
+        })
+    }
+
+    /// The losses of the given kinds as errors, each with its first position.
+    pub fn errors(&self, kinds: &[LossKind]) -> Diagnostics {
+        let found = self.iter().filter(|loss| kinds.contains(&loss.kind));
+        Diagnostics::new(found.map(|loss| loss.first.clone()).collect()).into_errors()
+    }
+
     /// One warning per kind of loss, in file order: construct, reason, first position, count. Losses of one construct whose messages
     /// differ only by numbers are of one kind.
     pub fn warnings(&self) -> Diagnostics {
         let mut kinds: HashMap<(LossKind, &str, String), usize> = HashMap::new();
         let mut groups: Vec<Vec<&Loss>> = Vec::new();
         for loss in self.iter() {
-            let message = loss.first.message().chars().filter(|c| !c.is_ascii_digit() && *c != '.').collect();
+            // the names of undefined items differ by their numbers
+            let is_counted = |c: &char| loss.kind != LossKind::Undefined && (c.is_ascii_digit() || *c == '.');
+            let message = loss.first.message().chars().filter(|c| !is_counted(c)).collect();
             let group = *kinds.entry((loss.kind, &loss.what, message)).or_insert(groups.len());
             match groups.get_mut(group) {
                 Some(group) => group.push(loss),

@@ -45,13 +45,13 @@ impl Numbers<'_> {
     fn definition(&mut self, element: &Element) -> Result<(), Failure> {
         match element.name.as_str() {
             "constant" | "variable" => {
-                let value = self.number(element, "value");
+                let value = self.defined_number(element);
                 let name = self.name(element)?;
                 self.set(element, &name, value?);
             }
             "quantity" => {
                 let unit = self.unit(element, "unit", Quantity::Other, 1.0);
-                let value = self.number(element, "value");
+                let value = self.defined_number(element);
                 let name = self.name(element)?;
                 self.set(element, &name, value? * unit?);
             }
@@ -102,13 +102,27 @@ impl Numbers<'_> {
 
     /// `<expression name="x">text</expression>`.
     fn expression(&mut self, element: &Element) -> Result<(), Failure> {
-        let value = match &element.content {
-            Some(content) => self.value(content)?,
-            None => self.number(element, "value")?,
-        };
+        let value = self.defined_number(element)?;
         let name = self.name(element)?;
         self.set(element, &name, value);
         Ok(())
+    }
+
+    /// The number of a definition: the caller's, that of the text of an `<expression>`, or the attribute `value`.
+    fn defined_number(&mut self, element: &Element) -> Result<f64, Failure> {
+        let Numbers { context, names, .. } = self;
+        match context.overrides.value(element.text("name"), names) {
+            Some(Ok(value)) => return Ok(value),
+            Some(Err(error)) => {
+                context.error_in_override(error);
+                return Err(Failure::Reported);
+            }
+            None => {}
+        }
+        match element.content.as_deref().filter(|_| element.name == "expression") {
+            Some(content) => self.value(content),
+            None => self.number(element, "value"),
+        }
     }
 
     fn matrix(&mut self, element: &Element) -> Result<(), Failure> {

@@ -353,9 +353,16 @@ impl<'a> Parser<'a> {
     }
 
     fn unknown(&self, name: &str, start: usize, what: &str) -> Fault {
-        let problem = format!(
-            "unknown {what} `{name}`: no constant, variable, quantity or matrix defined before has this name, and no unit."
-        );
+        let reason = match what {
+            "function" => {
+                let all: Vec<&str> = FUNCTIONS.iter().map(|(name, _)| *name).collect();
+                format!("the functions are {}.", all.join(", "))
+            }
+            "matrix" => "no matrix defined before has this name.".to_owned(),
+            _ => "no constant, variable, quantity or matrix defined before has this name, and no unit."
+                .to_owned(),
+        };
+        let problem = format!("unknown {what} `{name}`: {reason}");
         Fault { span: Span::new(start, start + name.len()), problem, unknown: Some(name.to_owned()) }
     }
 

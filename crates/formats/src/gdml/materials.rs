@@ -6,6 +6,7 @@ use super::problem::Place;
 use super::problem::Problem;
 use super::units::{GRAM_PER_CM3, PA, Quantity};
 use super::xml::Element;
+use crate::LossKind;
 use rayweave_scene::{Medium, bare_name};
 use std::collections::BTreeMap;
 
@@ -81,7 +82,8 @@ impl Materials {
             format!("unknown material `{name}`: no material defined before has this name."),
             place,
         );
-        numbers.context.warn(problem.did_you_mean(name, self.by_name.keys().map(String::as_str)));
+        let problem = problem.did_you_mean(name, self.by_name.keys().map(String::as_str));
+        numbers.context.lose(LossKind::Undefined, "materialref", problem);
         Some(self.add(Material { name: name.to_owned(), tag: "material".to_owned(), ..Material::default() }))
     }
 
@@ -110,7 +112,7 @@ pub(super) fn read(numbers: &mut Numbers, materials: &mut Materials, section: &E
             let message = format!("`{other}` is not an element of `materials`.");
             let known = ["material", "element", "isotope", "define", "loop"];
             let problem = Problem::new(message, element.place).did_you_mean(other, known);
-            numbers.context.lose(crate::LossKind::Dropped, other, problem);
+            numbers.context.lose(LossKind::Dropped, other, problem);
         }
     });
 }
@@ -245,7 +247,8 @@ pub(super) fn property(numbers: &mut Numbers, child: &Element) -> Result<(String
         let known: Vec<String> = numbers.names.matrices().map(|(name, _)| name.clone()).collect();
         let problem =
             Problem::new(format!("unknown matrix `{matrix}`: the property `{name}` has no value."), place);
-        numbers.context.warn(problem.did_you_mean(&matrix, known.iter().map(String::as_str)));
+        let problem = problem.did_you_mean(&matrix, known.iter().map(String::as_str));
+        numbers.context.lose(LossKind::Undefined, "property", problem);
     }
     Ok((name, Property::Matrix(matrix)))
 }

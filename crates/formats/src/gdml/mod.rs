@@ -26,9 +26,11 @@ mod expression;
 mod graph;
 mod hierarchy;
 pub(crate) mod kept;
+mod links;
 mod materials;
 mod optical;
 mod origin;
+mod overrides;
 mod problem;
 mod schema;
 mod shape;
@@ -42,6 +44,7 @@ mod xml;
 
 use crate::{Imported, Options, Places};
 use context::Context;
+use overrides::Overrides;
 use rayweave_model::memory;
 use rayweave_scene::{Diagnostic, Diagnostics, Foreign, Scene, Source};
 use rayweave_table::AllowedFiles;
@@ -55,27 +58,33 @@ pub(crate) use source::source;
 /// it as a native file; for a file of solids whose elements are kept, 34 for reading.
 const MEMORY_PER_BYTE: u64 = 36;
 
-/// Reads the text of a GDML file. Names of included files are relative to its folder.
+/// Reads the text of a GDML file. Names of included files are relative to its folder. `overrides` (name, expression) replace the
+/// `value` of constants, variables, quantities and expressions; a quantity keeps its unit.
 ///
 /// # Errors
 ///
-/// A file too large for the available memory, or XML that is not well-formed; else all problems at once: undefined
-/// references, numbers that cannot be computed.
-pub fn read(source: &Arc<Source>, options: &Options) -> Result<Imported, Diagnostics> {
+/// A file too large for the available memory, or XML that is not well-formed; else all problems at once: references to undefined
+/// solids and volumes, numbers that cannot be computed. Other undefined references are losses
+/// ([`LossKind::Undefined`](crate::LossKind::Undefined)).
+pub fn read(
+    source: &Arc<Source>,
+    overrides: &[(String, String)],
+    options: &Options,
+) -> Result<Imported, Diagnostics> {
     check_memory(source, memory::available())?;
-    let mut context = Context::default();
+    let mut context = Context { overrides: Overrides::new(overrides), ..Context::default() };
     context.files.allowed = AllowedFiles::of_model(source.path().map(PathBuf::as_path), &options.allow);
     match context.model(source) {
         Some((scene, table, places)) if context.problems.is_empty() => {
             let mut imported = Imported { places, ..Imported::from_scene(scene, context.report) };
-            let warnings = imported.scene.warnings.iter().chain(&context.warnings).cloned();
+            let warnings = imported.scene.warnings.iter().cloned().chain(context.warnings.finish());
             imported.scene.warnings = Diagnostics::new(warnings.collect());
             let mut document = imported.document();
             document.foreign.push(Foreign::new("gdml", table));
             imported.stated = Some(document);
             Ok(imported)
         }
-        _ => Err(Diagnostics::new(context.problems)),
+        _ => Err(Diagnostics::new(context.problems.finish())),
     }
 }
 
@@ -102,6 +111,8 @@ impl Context {
         let mut volumes = graph::Graph::default();
         self.open.extend(source.path().cloned());
         let world = structure::read_file(self, source.clone(), None, &mut volumes)?;
+        links::check(self, &volumes);
+        self.overrides.unknown().into_iter().for_each(|error| self.error_in_override(error));
         // after an error, some daughters may have no volume
         if !self.problems.is_empty() {
             return None;

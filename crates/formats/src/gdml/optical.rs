@@ -1,13 +1,10 @@
 //! Optical surfaces: read and kept unchanged for optical simulation.
 
 use super::attributes::{Failure, Numbers};
-use super::context::Context;
 use super::expression::Matrix;
 use super::materials::{Property, property};
 use super::problem::Place;
-use super::problem::Problem;
 use super::xml::Element;
-use std::collections::BTreeMap;
 
 /// Optical surfaces of a model, their attachments, and the matrices of their properties.
 #[derive(Debug, Default)]
@@ -38,6 +35,13 @@ pub(super) struct Link {
     /// The volume, or the two placements.
     pub of: Vec<(String, Place)>,
     pub place: Place,
+}
+
+impl Link {
+    /// The element that states it.
+    pub fn tag(&self) -> &'static str {
+        if self.is_skin { "skinsurface" } else { "bordersurface" }
+    }
 }
 
 impl Surfaces {
@@ -74,19 +78,4 @@ fn link(numbers: &mut Numbers, element: &Element) -> Result<Link, Failure> {
     }
     let is_skin = element.name == "skinsurface";
     Ok(Link { name: element.text("name").to_owned(), surface, is_skin, of, place: element.place })
-}
-
-/// Warns about attachments of undefined surfaces or volumes.
-pub(super) fn check_links(context: &mut Context, surfaces: &Surfaces, volumes: &BTreeMap<String, usize>) {
-    for link in &surfaces.links {
-        if surfaces.optical.iter().all(|surface| surface.name != link.surface) {
-            let known = surfaces.optical.iter().map(|surface| surface.name.as_str());
-            let problem = Problem::new(format!("unknown optical surface `{}`", link.surface), link.place);
-            context.warn(problem.did_you_mean(&link.surface, known));
-        }
-        for (name, place) in link.of.iter().filter(|(name, _)| link.is_skin && !volumes.contains_key(name)) {
-            let problem = Problem::new(format!("unknown volume `{name}`"), *place);
-            context.warn(problem.did_you_mean(name, volumes.keys().map(String::as_str)));
-        }
-    }
 }

@@ -3,7 +3,7 @@
 use rayweave_scene::Span;
 
 /// A position in one of the texts of a document.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) struct Place {
     pub file: u32,
     pub span: Span,

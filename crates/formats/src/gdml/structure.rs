@@ -5,7 +5,6 @@ use super::context::Context;
 use super::define::{Role, inverse_rotation};
 use super::graph::{Auxiliary, Daughter, Graph, Volume};
 use super::materials;
-use super::optical;
 use super::problem::Place;
 use super::problem::Problem;
 use super::schema;
@@ -171,7 +170,6 @@ impl StructureReader<'_, '_> {
             self.graph.volumes[pending.mother].daughters[pending.daughter].volume = volume;
             copies::spread(self.numbers.context, self.graph, &pending, volume);
         }
-        optical::check_links(self.numbers.context, &self.graph.surfaces, &self.names);
     }
 
     /// The top volume.

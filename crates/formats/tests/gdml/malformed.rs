@@ -1,6 +1,8 @@
 //! Malformed GDML files: all problems are reported at once, with positions, in limited time.
 
 use super::{model, parse};
+use rayweave_formats::{Format, LossKind, Options};
+use rayweave_model::Program;
 
 const WORLD: &str = "<volume name=\"World\"><materialref ref=\"Al\"/><solidref ref=\"b\"/></volume>";
 const BOX: &str = "<box name=\"b\" x=\"1\" y=\"1\" z=\"1\"/>";
@@ -205,9 +207,137 @@ fn missing_worlds_and_references() {
     assert!(problems(&without("<solidref ref=\"b\"/>"))[0].2.contains("no `solidref`"));
     let found = problems(&text.replace("<world ref=\"World\"/>", "<world ref=\"Wold\"/>"));
     assert!(found[0].2.contains("Did you mean `World`?"), "{}", found[0].2);
-    let unknown = text.replace("materialref ref=\"Al\"", "materialref ref=\"Aluminium\"");
-    let imported = parse(&unknown).unwrap();
-    assert!(imported.scene.warnings.iter().any(|warning| warning.message().contains("unknown material")));
+}
+
+/// Geant4 11.4.1 stops at each of these references: "Referenced volume 'Worlt' was not found!" and similar. The geometry is complete
+/// without them.
+#[test]
+fn undefined_references_of_optical_data_are_losses() {
+    let define = "<matrix name=\"M\" coldim=\"2\" values=\"2 1 3 1\"/>";
+    let surface = "<opticalsurface name=\"ESR\"><property name=\"REFLECTIVITY\" ref=\"M\"/></opticalsurface>";
+    let links = "\n<skinsurface name=\"s\" surfaceproperty=\"ESR\"><volumeref ref=\"World\"/></skinsurface>\
+                 \n<bordersurface name=\"c\" surfaceproperty=\"ESR\"><physvolref ref=\"p\"/><physvolref ref=\"In_PV\"/></bordersurface>";
+    let inner = "<volume name=\"In\"><solidref ref=\"b\"/></volume>";
+    let placed = "<physvol name=\"p\"><volumeref ref=\"In\"/></physvol><physvol><volumeref ref=\"In\"/></physvol></volume>";
+    let world = WORLD.replace("</volume>", placed);
+    let text = model(define, &format!("{BOX}{surface}"), &format!("{inner}{world}{links}"));
+    assert_eq!(parse(&text).unwrap().report.count(LossKind::Undefined), 0);
+    for (from, to, message) in [
+        (
+            "\"Al\"/>",
+            "\"Alu\"/>",
+            "unknown material `Alu`: no material defined before has this name. Did you mean `Al`?",
+        ),
+        (
+            "ref=\"M\"",
+            "ref=\"m\"",
+            "unknown matrix `m`: the property `REFLECTIVITY` has no value. Did you mean `M`?",
+        ),
+        (
+            "surfaceproperty=\"ESR\"><volume",
+            "surfaceproperty=\"Esr\"><volume",
+            "unknown optical surface `Esr`: no `opticalsurface` has this name. Did you mean `ESR`?",
+        ),
+        (
+            "ref=\"World\"/></skin",
+            "ref=\"Worlt\"/></skin",
+            "unknown volume `Worlt`: no `volume` has this name. Did you mean `World`?",
+        ),
+        (
+            "physvolref ref=\"p\"",
+            "physvolref ref=\"q\"",
+            "unknown placement `q`: no `physvol` has this name.",
+        ),
+        (
+            "physvolref ref=\"p\"",
+            "physvolref ref=\"In\"",
+            "unknown placement `In`: it is the name of a volume, not of a `physvol`.",
+        ),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let imported = parse(&text.replacen(from, to, 1)).unwrap();
+        let losses: Vec<_> = imported.report.iter().collect();
+        assert_eq!((losses.len(), losses[0].kind), (1, LossKind::Undefined), "{to}");
+        assert_eq!(losses[0].first.message(), message);
+        let (line, column) = losses[0].first.line_column().unwrap();
+        assert_eq!(losses[0].place(), Some(format!("{line}:{column}")));
+        let errors = imported.report.errors(&[LossKind::Undefined]);
+        assert_eq!(errors.iter().next().unwrap().message(), message);
+        // the lint knows placements
+        assert_eq!(imported.report.undefined().count(), usize::from(!message.contains("placement")));
+        assert_eq!(imported.scene.regions.len(), 2);
+    }
+}
+
+/// An error or warning in a loop is listed once for each position, with a count.
+#[test]
+fn problems_of_loops_are_counted() {
+    let define = "<variable name=\"i\" value=\"0\"/>";
+    let looped = |attribute: &str| {
+        let placed = format!(
+            "<loop for=\"i\" from=\"1\" to=\"16\" step=\"1\">\n<physvol name=\"q[i]\"><volumeref ref=\"In\"/>\
+             <position {attribute}/></physvol></loop></volume>"
+        );
+        let inner = "<volume name=\"In\"><solidref ref=\"b\"/></volume>";
+        model(define, BOX, &format!("{inner}{}", WORLD.replace("</volume>", &placed)))
+    };
+    assert_eq!(parse(&looped("x=\"i\"")).unwrap().report.iter().count(), 0);
+    let found = problems(&looped("x=\"floor(i/4)\" unit=\"mn\""));
+    let texts: Vec<&str> = found.iter().map(|(_, _, text)| text.as_str()).collect();
+    let functions =
+        "abs, min, max, sqrt, pow, sin, cos, tan, asin, acos, atan, atan2, sinh, cosh, tanh, exp, log, log10";
+    let function =
+        format!("unknown function `floor`: the functions are {functions}. It occurs 16 times, first here.");
+    assert_eq!(texts.len(), 2, "{texts:?}");
+    assert!(texts.contains(&function.as_str()), "{texts:?}");
+    assert!(
+        texts
+            .iter()
+            .any(|text| text.starts_with("`mn` is not a unit of length") && text.contains("16 times")),
+        "{texts:?}"
+    );
+    // names that differ by the index of the loop
+    let found = problems(&looped("x=\"0\"").replace("volumeref ref=\"In\"", "volumeref ref=\"Inn[i]\""));
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(
+        found[0].2.contains("unknown volume `Inn_0`")
+            && found[0].2.contains("16 times with different numbers"),
+        "{found:?}"
+    );
+    // two problems of one element are two
+    assert_eq!(problems(&model("", "<box name=\"b\" z=\"1\"/>", WORLD)).len(), 2);
+}
+
+/// The caller's numbers replace those of definitions; other definitions depend on them.
+#[test]
+fn definitions_are_overridden() {
+    let define = "<constant name=\"half\" value=\"10\"/><quantity name=\"q\" value=\"3\" unit=\"cm\"/>\
+                  <variable name=\"v\" value=\"2*half\"/><expression name=\"e\">v+1</expression>";
+    let text = model(define, "<box name=\"b\" x=\"v\" y=\"q\" z=\"e\"/>", WORLD);
+    let sizes = |given: &[(&str, &str)]| {
+        let given: Vec<(String, String)> =
+            given.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
+        let imported = rayweave_formats::parse(&text, Format::Gdml, &given, &Options::default());
+        imported.map(|imported| {
+            let program = Program::compile_regions(&imported.scene.model_regions()).unwrap();
+            let bounds = program.prototypes()[0].bounds;
+            (bounds.hi - bounds.lo).to_array().map(|size| (size * 1e6).round() / 1e6)
+        })
+    };
+    assert_eq!(sizes(&[]).unwrap(), [20.0, 30.0, 21.0]);
+    assert_eq!(sizes(&[("half", "15")]).unwrap(), [30.0, 30.0, 31.0]);
+    // a quantity keeps its unit; expressions have units and the names before
+    assert_eq!(sizes(&[("q", "4"), ("v", "half+1*cm")]).unwrap(), [20.0, 40.0, 21.0]);
+    assert_eq!(sizes(&[("e", "7"), ("e", "8")]).unwrap(), [20.0, 30.0, 8.0]);
+    let error = sizes(&[("hlaf", "15")]).unwrap_err().to_string();
+    assert!(
+        error.contains(
+            "unknown parameter `hlaf`: the file's constants, variables and quantities are e, half, q, v. Did you mean `half`?"
+        ),
+        "{error}"
+    );
+    let error = sizes(&[("v", "2*hafl")]).unwrap_err().to_string();
+    assert!(error.contains("unknown name `hafl`") && error.contains("v=2*hafl"), "{error}");
 }
 
 #[test]
