@@ -1,9 +1,11 @@
 //! Hits: the detected photons as columns.
 
 use crate::detector::Detector;
+use crate::error::PhotonError;
 use crate::photon::Photon;
 use crate::property::wavelength_nm;
 use crate::volume::VolumePaths;
+use rayweave_error::Message;
 use rayweave_model::Face;
 use rayweave_table::{Chunk, Column, DType, Schema, TableError, TableRow, TableWriter, Values};
 use std::path::Path;
@@ -38,6 +40,16 @@ pub struct Hits {
     volumes: VolumePaths,
 }
 
+/// True if the last steps of a path are those of a text; their numbers may be left out there.
+fn ends_with_steps(path: &str, text: &str) -> bool {
+    let mut steps = path.rsplit('/');
+    text.rsplit('/').all(|wanted| {
+        steps.next().is_some_and(|step| {
+            step == wanted || step.split_once('[').is_some_and(|(name, _)| name == wanted)
+        })
+    })
+}
+
 impl Hits {
     /// The size of a hit in bytes.
     pub(crate) const ROW: u64 = 14 * 8 + 4;
@@ -64,6 +76,51 @@ impl Hits {
     #[must_use]
     pub fn copies(&self) -> &[i64] {
         self.volumes.copies()
+    }
+
+    /// The numbers of the sensors whose path ends with a text, as for sources in volumes: `SiPM[1]` or `Gap[3]/SiPM`, where a step
+    /// without a number matches all copies; `all` selects all sensors.
+    ///
+    /// # Errors
+    ///
+    /// [`PhotonError::Setting`] if there is no such sensor.
+    pub fn sensors_named(&self, text: &str) -> Result<Vec<u32>, PhotonError> {
+        let found = |path: &str| text == "all" || ends_with_steps(path, text);
+        let paths = self.paths().iter().zip(0..);
+        let numbers: Vec<u32> = paths.filter(|(path, _)| found(path)).map(|(_, number)| number).collect();
+        match numbers.is_empty() {
+            true => {
+                let paths = self.paths().iter().map(|path| &**path);
+                Err(PhotonError::Setting(Message::unknown("sensor", text, paths)))
+            }
+            false => Ok(numbers),
+        }
+    }
+
+    /// Some of the hits by their rows, with the numbers of all sensors.
+    ///
+    /// # Panics
+    ///
+    /// If a row does not exist.
+    #[must_use]
+    pub fn select(&self, rows: &[usize]) -> Hits {
+        fn of<T: Copy>(rows: &[usize], column: &[T]) -> Vec<T> {
+            rows.iter().map(|&row| column[row]).collect()
+        }
+        let vector = |columns: &[Vec<f64>; 3]| columns.each_ref().map(|column| of(rows, column));
+        Hits {
+            event: of(rows, &self.event),
+            photon: of(rows, &self.photon),
+            position: vector(&self.position),
+            time: of(rows, &self.time),
+            direction: vector(&self.direction),
+            polarisation: vector(&self.polarisation),
+            wavelength_nm: of(rows, &self.wavelength_nm),
+            steps: of(rows, &self.steps),
+            sensor: of(rows, &self.sensor),
+            genstep: self.genstep.as_ref().map(|column| of(rows, column)),
+            volumes: self.volumes.clone(),
+        }
     }
 
     /// Adds a hit in the volume of a region that is entered through a face. The number of its sensor is that in `known`, which
@@ -231,4 +288,20 @@ pub fn hit_schema(has_gensteps: bool) -> Result<Schema, TableError> {
     columns.push(Column::new("sensor", DType::Text));
     columns.extend(has_gensteps.then(|| Column::new("genstep", DType::I64)));
     Schema::new(columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sensors_are_found_by_the_ends_of_their_paths() {
+        let path = "Matrix/Gap[5]/SiPM[1]";
+        for text in ["SiPM", "SiPM[1]", "Gap/SiPM", "Gap[5]/SiPM", "Gap/SiPM[1]", "Matrix/Gap[5]/SiPM[1]"] {
+            assert!(ends_with_steps(path, text), "{text}");
+        }
+        for text in ["", "PM[1]", "SiPM[0]", "Gap", "Gap[4]/SiPM", "World/Matrix/Gap[5]/SiPM[1]", "SiPM/"] {
+            assert!(!ends_with_steps(path, text), "{text}");
+        }
+    }
 }

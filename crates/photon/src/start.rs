@@ -6,6 +6,7 @@ use crate::photon::{EventKey, Photon};
 use crate::property::{PropertyTable, wavelength_nm};
 use crate::settings::RunSettings;
 use crate::source::Source;
+use rayweave_error::short_number;
 use rayweave_model::{Evaluator, RegionId};
 
 /// The photons of a run as the source emits them, by their numbers.
@@ -93,7 +94,12 @@ fn beyond_tables(detector: &Detector, photons: &[Photon]) -> Option<String> {
     let of = |all: &mut dyn Iterator<Item = f64>| {
         let (low, high) =
             all.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
-        let [low, high] = [wavelength_nm(high), wavelength_nm(low)].map(|nm| (nm * 10.0).round() / 10.0);
+        // a wavelength below 1 nm is in another unit by mistake
+        let shown = |nm: f64| match nm < 1.0 {
+            true => short_number(nm),
+            false => ((nm * 10.0).round() / 10.0).to_string(),
+        };
+        let [low, high] = [wavelength_nm(high), wavelength_nm(low)].map(shown);
         if low == high { format!("{low} nm") } else { format!("{low} nm to {high} nm") }
     };
     let own = of(&mut photons.iter().map(|photon| photon.energy));

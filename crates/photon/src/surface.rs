@@ -183,6 +183,9 @@ pub struct OpticalSurface {
     pub coating: Option<Coating>,
 }
 
+/// The largest `TRANSMITTANCE` of a surface that the lint takes for closed.
+const NEARLY_OPAQUE: f64 = 0.1;
+
 impl OpticalSurface {
     /// True if photons that the surface absorbs can be detected.
     pub(crate) fn detects(&self) -> bool {
@@ -194,13 +197,28 @@ impl OpticalSurface {
     /// A dichroic filter and a film count as surfaces that transmit light. `is_same_material` states whether the materials in front
     /// and behind are equal: unpainted interfaces between equal materials do nothing.
     pub(crate) fn is_opaque(&self, is_same_material: bool) -> bool {
+        self.transmits_at_most(0.0, is_same_material)
+    }
+
+    /// True if the surface is opaque but for a `TRANSMITTANCE` of at most 0.1, such as that of a reflecting foil.
+    pub(crate) fn is_nearly_opaque(&self, is_same_material: bool) -> bool {
+        self.transmits_at_most(NEARLY_OPAQUE, is_same_material)
+    }
+
+    /// The largest value of `TRANSMITTANCE`, 0 without one.
+    pub(crate) fn largest_transmittance(&self) -> f64 {
+        let values = self.transmittance.iter().flat_map(|table| table.values());
+        values.copied().fold(0.0, f64::max)
+    }
+
+    fn transmits_at_most(&self, transmittance: f64, is_same_material: bool) -> bool {
         use SurfaceFinish::{Ground, GroundFrontPainted, Polished, PolishedFrontPainted};
         let any = |table: &Option<PropertyTable>, is_such: fn(f64) -> bool| {
             table.as_ref().is_some_and(|table| table.values().iter().any(|value| is_such(*value)))
         };
         // TRANSMITTANCE acts on the photons beyond REFLECTIVITY, which is 1 where it is absent
         let loses = any(&self.reflectivity, |value| value < 1.0) || self.metal_index.is_some();
-        if loses && any(&self.transmittance, |value| value > 0.0) {
+        if loses && self.largest_transmittance() > transmittance {
             return false;
         }
         match self.kind {

@@ -26,6 +26,19 @@ struct ByVolume<'a> {
     rows: HashMap<&'a str, &'a Datum>,
 }
 
+/// The amount of light that passes a closed surface, in words.
+fn how_much(surface: &OpticalSurface) -> &'static str {
+    if surface.largest_transmittance() > 0.0 { "hardly any" } else { "no" }
+}
+
+/// The part of the light that passes a closed surface.
+fn passes(surface: &OpticalSurface) -> String {
+    match surface.largest_transmittance() {
+        most if most > 0.0 => format!("the `TRANSMITTANCE` of `{}` is at most {most}", surface.name),
+        _ => format!("nothing passes `{}`", surface.name),
+    }
+}
+
 impl<'a> Lint<'a> {
     /// Opaque skins that act on volumes without a skin, as in Geant4: on daughters that light can enter or that contain sensors,
     /// and on sensors beside the volume and their windows.
@@ -39,7 +52,7 @@ impl<'a> Lint<'a> {
             let named = |own: &OpticalSurface| own.name == row.text("surface");
             let Some(surface) = self.optics.surfaces.iter().position(named) else { continue };
             // what passes between different materials passes between equal ones as well
-            if !self.optics.surfaces[surface].is_opaque(false) {
+            if !self.optics.surfaces[surface].is_nearly_opaque(false) {
                 continue;
             }
             for volume in row.list("volume").filter_map(Datum::as_text) {
@@ -73,19 +86,20 @@ impl<'a> Lint<'a> {
             if closed.is_empty() || !has_sensor && !self.is_clear_volume(daughter) {
                 continue;
             }
-            let (volume, surface) = (skin.volume, &self.optics.surfaces[skin.surface].name);
+            let (volume, paint) = (skin.volume, &self.optics.surfaces[skin.surface]);
+            let (surface, passes) = (&paint.name, passes(paint));
             let which = match closed.len() == placements.len() || closed.contains("") {
                 true => String::new(),
                 false => format!(" at the placements {}", listed(closed.iter().copied())),
             };
             let sensor = if has_sensor { ", which contains a sensor" } else { "" };
             let problem = format!(
-                "skin surface `{}` of volume `{volume}` lets no light from it into its daughter `{daughter}`{sensor}",
-                skin.name
+                "skin surface `{}` of volume `{volume}` lets {} light from it into its daughter `{daughter}`{sensor}",
+                skin.name,
+                how_much(paint)
             );
             let reason = format!(
-                "`{daughter}` has no skin, so that the skin of its mother acts{which} as well, as in Geant4, and nothing passes \
-                 `{surface}`"
+                "`{daughter}` has no skin, so that the skin of its mother acts{which} as well, as in Geant4, and {passes}"
             );
             let advice = format!(
                 "If only the outside of `{volume}` is meant, make `{surface}` the skin of a volume around `{volume}` instead, or give \
@@ -136,14 +150,16 @@ impl<'a> Lint<'a> {
                     }
                     (false, None) => continue,
                 };
-            let surface = &self.optics.surfaces[skin.surface].name;
+            let paint = &self.optics.surfaces[skin.surface];
             let problem = format!(
-                "skin surface `{}` of volume `{}` lets no light from it into {what}",
-                skin.name, skin.volume
+                "skin surface `{}` of volume `{}` lets {} light from it into {what}",
+                skin.name,
+                skin.volume,
+                how_much(paint)
             );
             let reason = format!(
-                "between volumes beside each other the skin of the volume in front comes first, as in Geant4, and nothing passes \
-                 `{surface}`"
+                "between volumes beside each other the skin of the volume in front comes first, as in Geant4, and {}",
+                passes(paint)
             );
             let (from, to) = (self.placements_of(skin.volume), self.placements_of(volume));
             let advice = format!(
@@ -171,7 +187,7 @@ impl<'a> Lint<'a> {
         }
         let is_open = |name: &str| {
             let own = self.optics.surfaces.iter().find(|own| own.name == name);
-            own.is_none_or(|own| own.detects() || !own.is_opaque(false))
+            own.is_none_or(|own| own.detects() || !own.is_nearly_opaque(false))
         };
         let daughters = self.daughters(volume, by_volume);
         let mut skins = daughters.keys().filter_map(|daughter| by_volume.skins.get(daughter));
@@ -179,12 +195,13 @@ impl<'a> Lint<'a> {
             return None;
         }
         let problem = format!(
-            "skin surface `{}` of volume `{volume}`, which emits light, lets no light out of it, and no sensor lies within",
-            skin.name
+            "skin surface `{}` of volume `{volume}`, which emits light, lets {} light out of it, and no sensor lies within",
+            skin.name,
+            how_much(surface)
         );
         let reason = format!(
-            "the skin acts on all of its faces, as in Geant4, also on those beside other volumes, and nothing passes `{}`",
-            surface.name
+            "the skin acts on all of its faces, as in Geant4, also on those beside other volumes, and {}",
+            passes(surface)
         );
         let advice = format!(
             "Add a border surface from {} to the volume that the light is meant to enter, for example a bare interface (polished, \
@@ -244,13 +261,13 @@ impl<'a> Lint<'a> {
         from_mother.any(|(_, surfaces)| surfaces.contains(&Some(skin.surface))) || into().next().is_none()
     }
 
-    /// True if nothing passes a skin between its volume and another one.
+    /// True if hardly anything passes a skin between its volume and another one.
     fn is_opaque_before(&self, skin: Skin<'_>, volume: &str) -> bool {
         let media = |volume: &str| -> BTreeSet<Option<usize>> {
             self.regions_of(volume).into_iter().map(|region| self.medium(region)).collect()
         };
         let is_same = media(skin.volume) == media(volume);
-        self.optics.surfaces[skin.surface].is_opaque(is_same)
+        self.optics.surfaces[skin.surface].is_nearly_opaque(is_same)
     }
 
     /// The regions around some regions.

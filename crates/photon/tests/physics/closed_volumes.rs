@@ -94,6 +94,29 @@ fn a_skin_around_phototubes_closes_them() {
     }
 }
 
+/// A foil that transmits at most a tenth of the light counts as closed.
+#[test]
+fn a_foil_that_transmits_little_closes_phototubes() {
+    for (transmittance, is_closed) in [(0.01, true), (0.1, true), (0.11, false)] {
+        let matrix = format!(
+            r#"<matrix name="T" coldim="2" values="1*eV {transmittance} 10*eV {transmittance}"/></define>"#
+        );
+        let reflectivity = r#"type="dielectric_metal" value="0">
+<property name="REFLECTIVITY" ref="WHITE"/>"#;
+        let text = tank(&(skin("wrap", "Foil", "Tank") + &skin("photo", "Photocathode", "Cathode")), "")
+            .replace("</define>", &matrix)
+            .replace("\"1*eV 0.9 10*eV 0.9\"", "\"1*eV 0.8 10*eV 0.8\"")
+            .replace(reflectivity, &format!(r#"{reflectivity}<property name="TRANSMITTANCE" ref="T"/>"#));
+        assert!(hits(&text) > 0);
+        let all: Vec<String> = findings(&text).iter().map(ToString::to_string).collect();
+        let problem =
+            "skin surface `wrap` of volume `Tank` lets hardly any light from it into its daughter `Pmt`";
+        let reason = format!("the `TRANSMITTANCE` of `Foil` is at most {transmittance}");
+        let found = all.iter().filter(|text| text.contains(problem) && text.contains(&reason)).count();
+        assert_eq!(found, usize::from(is_closed), "{all:#?}");
+    }
+}
+
 /// A sensitive bulb with an index, whose photons are detected as they enter.
 #[test]
 fn a_skin_closes_sensitive_daughters() {
