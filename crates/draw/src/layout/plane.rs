@@ -80,8 +80,9 @@ pub(super) fn nearest_to_light(segments: &Segments) -> LayoutPlane {
     let preference = [1.0, 1.25, 1.5];
     let cost = |k: usize| (axes[k].deviation + 1e-9 * size) * preference[k];
     let best = (0..3).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(0);
-    // for light around the origin, the plane through the origin
-    let near = axes[best].median.abs() < 0.05 * size;
+    // for light around the origin, the plane through the origin: one that is off by less than the light spreads
+    let most = (0.05 * size).min(0.5 * axes[best].deviation).max(1e-9 * size);
+    let near = axes[best].median.abs() <= most;
     let place = if near { 0.0 } else { axes[best].median };
     [LayoutPlane::X, LayoutPlane::Y, LayoutPlane::Z][best](place)
 }
@@ -161,5 +162,16 @@ pub(super) mod tests {
         let round = [ray([3.0, 0.0, 0.0], [0.0, 0.0, 9.0]), ray([0.0, 3.0, 0.0], [0.0, 0.0, 9.0])];
         assert_eq!(best_of(&round), LayoutPlane::X(0.0));
         assert_eq!(best_of(&[]), LayoutPlane::X(0.0));
+        // a bar of 300 mm from y = -10 to y = -0.2, and the same light around y = 0
+        let bar = |middle: f64| {
+            let heights = [-4.8, 4.0, -3.0, 4.8, -4.8, 0.2, 4.8];
+            let at = |k: usize| [20.0 * (k % 2) as f64, middle + heights[k], 50.0 * k as f64];
+            (0..6).map(|k| ray(at(k), at(k + 1))).collect::<Vec<_>>()
+        };
+        assert_eq!(best_of(&bar(0.0)), LayoutPlane::Y(0.0));
+        match best_of(&bar(-5.0)) {
+            LayoutPlane::Y(y) => assert!((-10.0..-0.2).contains(&y), "{y}"),
+            plane => panic!("{plane}"),
+        }
     }
 }
