@@ -155,9 +155,9 @@ impl PyModel {
 
 /// Reads a model file: a native one (.toml), one of another program (OpenSCAD's .csg, Geant4's .gdml), or a mesh (.stl, .obj, .ply,
 /// .off, .3mf, .gltf, .glb). The ending selects the format, unless `format` names it: "native", "openscad", "gdml", or the
-/// ending of a mesh. `parameters` overrides parameters of a native file by numbers or arithmetic text. With `facets`, round
-/// shapes become the facets that their own program uses; by default they are exactly round. The model's `warnings` list parts
-/// that were approximated, dropped or rejected. `fonts` are font files and folders, searched before the system's fonts. With
+/// ending of a mesh. `parameters` overrides parameters of a native file, or constants, variables and quantities of a GDML file, by
+/// numbers or arithmetic text. With `facets`, round shapes become the facets that their own program uses; by default they are exactly
+/// round. The model's `warnings` list parts that were approximated, dropped or rejected. `fonts` are font files and folders, searched before the system's fonts. With
 /// `repair`, meshes that are not solids are repaired as far as that is safe, and `warnings` list the changes. `unit` is the unit
 /// of files without one (STL, OBJ, PLY, OFF, OpenSCAD); default "mm". The model may read files in its folder and below, and the
 /// files and folders in `allow`. With `strict`, warnings are errors.
@@ -189,7 +189,9 @@ pub fn load_model(
     let format = format.map(format_of).transpose()?;
     let unit = unit.map(unit_of).transpose()?;
     let options = Options { facets, fonts, repair, unit, allow, strict, scene_only: false };
-    let is_overridden = !overrides.is_empty();
+    // the document of a GDML file has the values of its definitions, not their expressions
+    let is_gdml = format.or_else(|| Format::from_path(&path)) == Some(Format::Gdml);
+    let is_overridden = !overrides.is_empty() && !is_gdml;
     let read = abandonable(py, move || formats::load(&path, format, &overrides, &options))?;
     PyModel::new(read.map(|imported| (imported.stated, imported.scene)), is_overridden)
 }

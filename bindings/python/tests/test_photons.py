@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import rayweave as rw
 import rayweave.photons as rp
 from rayweave import RayweaveError, optics
 
@@ -180,10 +181,43 @@ def test_runs_without_hits_have_notes(bar):
     assert rp.loads(ABSORBER).simulate(from_middle(), n=200).notes == ()
 
 
-def test_borders_without_a_placement_are_warnings():
-    with pytest.warns(UserWarning, match="no placement named `dioed`"):
-        detector = rp.loads(BAR.replace('<physvolref ref="diode"/>', '<physvolref ref="dioed"/>'))
+def test_undefined_references_are_errors(tmp_path):
+    text = BAR.replace('<physvolref ref="diode"/>', '<physvolref ref="dioed"/>')
+    with pytest.raises(RayweaveError, match="unknown placement `dioed`.*Did you mean `diode`"):
+        rp.loads(text)
+    with pytest.warns(UserWarning, match="unknown placement `dioed`"):
+        detector = rp.loads(text, allow_missing=True)
     assert any("`dioed`" in text for text in detector.warnings)
+    assert [own for own in detector.check()["text"] if "`dioed`" in own]
+    (tmp_path / "bar.gdml").write_text(BAR.replace('surfaceproperty="Cathode"', 'surfaceproperty="Cathod"'))
+    with pytest.raises(RayweaveError, match="(?s)unknown optical surface `Cathod`.*bar.gdml:.*allow_missing=True"):
+        rp.load(tmp_path / "bar.gdml")
+    with pytest.warns(UserWarning, match="unknown optical surface"):
+        detector = rp.load(tmp_path / "bar.gdml", allow_missing=True)
+    rows = [own for own in detector.check()["text"] if "unknown optical surface `Cathod`" in own]
+    assert len(rows) == 1
+    with pytest.raises(RayweaveError, match="there is no surface 'cathode'.*Did you mean 'Cathode'"):
+        rp.loads(BAR).surface("cathode")
+
+
+def test_definitions_of_gdml_are_parameters(tmp_path):
+    text = ABSORBER.replace("</define>", '<constant name="half" value="1000"/></define>').replace('"2000"', '"2*half"')
+    (tmp_path / "world.gdml").write_text(text)
+    for half in (20, "2*cm", "10+1*cm"):
+        detector = rp.load(tmp_path / "world.gdml", parameters={"half": half})
+        for own in (detector, pickle.loads(pickle.dumps(detector)), rp.loads(text, parameters={"half": half})):
+            assert own.simulate(rp.point([0, 0, 19], 550), n=1).photons == 1
+            with pytest.raises(RayweaveError, match="outside the world"):
+                own.simulate(rp.point([0, 0, 21], 550), n=1)
+    with pytest.raises(RayweaveError, match="unknown parameter `halb`.*Did you mean `half`"):
+        rp.loads(text, parameters={"halb": 1})
+    model = rw.load(tmp_path / "world.gdml", {"half": 20})
+    assert np.array_equal(model.bounds, [[-20] * 3, [20] * 3])
+
+
+def test_misspelt_spectra_have_a_suggestion(bar):
+    with pytest.raises(RayweaveError, match="no spectrum 'scintilation'.*scintillation.*Did you mean 'scintillation'"):
+        rp.point([0, 0, 0], ("scintilation", bar.material("Crystal")))
 
 
 def test_a_path_selects_copies(bar):
@@ -239,8 +273,18 @@ def test_sensors_have_equal_numbers_in_all_runs(tmp_path):
         assert json.loads((tmp_path / f"{number}.names.json").read_text())["sensor"] == paths
     assert f"{whole.counts()[paths[1]]} hits" in whole.plot_spectra(sensor=1).svg
     assert whole.plot_spectra(sensor="Diode[1]").svg == whole.plot_spectra(sensor=1).svg
-    with pytest.raises(KeyError, match="no sensor 'Diode'.*Did you mean"):
-        whole.plot_spectra(sensor="Diode")
+    assert f"{whole.rows} hits" in whole.plot_spectra(sensor="Diode").svg
+    with pytest.raises(RayweaveError, match="no sensor is called `Diod`"):
+        whole.plot_spectra(sensor="Diod")
+    # rows of hits are hits
+    late = whole[whole["time"] > np.median(whole["time"])]
+    assert isinstance(late, rp.Hits) and late.sensor_paths == paths and 0 < late.rows < whole.rows
+    assert np.array_equal(late["x"], whole["x"][whole["time"] > np.median(whole["time"])])
+    assert f"{late.rows} hits" in late.plot_spectra().svg and f"{late.rows} hits" in late.plot().svg
+    assert whole[[]].rows == 0 and whole[:5] == whole[[0, 1, 2, 3, 4]]
+    one = whole.plot(sensor="Diode[1]").svg
+    assert f"{whole.counts()[paths[1]]} hits of" in one and one == whole.plot(sensor=1).svg
+    assert np.array_equal(whole.copy_numbers[:, -1], whole["copy"])
     with pytest.raises(IndexError, match="there are 3 sensors"):
         whole.plot_spectra(sensor=3)
     counts = whole.counts()

@@ -60,12 +60,13 @@ pub struct ModelArguments {
     #[arg(long)]
     pub strict: bool,
 
-    /// Continue although parts of the model's geometry are missing, such as imported files or unsupported items
+    /// Continue although parts of the model are missing, such as imported files or unsupported items, and for photons the materials,
+    /// matrices and surfaces of undefined references
     #[arg(long)]
     pub allow_missing: bool,
 
-    /// Set a parameter of the model; the value may be an arithmetic expression in other parameters.
-    /// May be repeated
+    /// Set a parameter of the model, or a constant, variable or quantity of a GDML file; the value may be an arithmetic expression in
+    /// other parameters. May be repeated
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition)]
     pub definitions: Vec<(String, String)>,
 }
@@ -202,6 +203,26 @@ impl ModelArguments {
     /// Reads the model file and keeps its document, for commands that read additional tables.
     pub fn load_document(&self) -> Result<(Document, Scene), Failure> {
         let imported = self.import_all()?;
+        Ok((imported.document(), imported.scene))
+    }
+
+    /// Reads the model file for the simulation of photons: undefined materials, properties and surfaces are rejected.
+    pub fn load_optical_document(&self) -> Result<(Document, Scene), Failure> {
+        let imported = self.import_all()?;
+        let undefined = imported.report.count(LossKind::Undefined);
+        if undefined > 0 && !self.allow_missing {
+            let references = if undefined == 1 {
+                "a reference names".to_owned()
+            } else {
+                format!("{undefined} references name")
+            };
+            let text = format!(
+                "{}: {references} nothing in the file: the optical model is incomplete, and the answer would be wrong. Geant4 rejects \
+                 the file. Correct it, or accept it with --allow-missing.",
+                self.model.display()
+            );
+            return Err(Failure::Input(text));
+        }
         Ok((imported.document(), imported.scene))
     }
 

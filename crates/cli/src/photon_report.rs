@@ -161,6 +161,9 @@ impl PhotonReport {
 
     /// The table of the hits by sensor, in the order of the detector; of many sensors those with hits come first.
     fn sensor_table(&self) -> String {
+        if self.hits == 0 && self.sensors.len() > 1 {
+            return format!("no hits in {} sensors\n\n", self.sensors.len());
+        }
         let row = |(path, count): &(String, u64)| {
             let part = 100.0 * *count as f64 / self.hits.max(1) as f64;
             let [fraction, error] = self.fraction(*count).map(|part| 100.0 * part);

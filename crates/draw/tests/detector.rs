@@ -23,6 +23,7 @@ const NONE: HitPositions<'_> = HitPositions {
     cells: None,
     plane: None,
     scale: MapScale::Linear,
+    chosen: None,
 };
 
 /// Four tiles of 6 mm by 6 mm with 400, 100, 25 hits and one hit.
@@ -222,6 +223,30 @@ fn small_sensors_have_markers_on_the_sphere() {
     }
 }
 
+/// Tiles on both sides of a detector: the cells of the map of all sensors are those of a footprint, with the hits of both.
+#[test]
+fn cells_fit_footprints_of_several_sensors() {
+    let (mut positions, mut sensors, mut extents) = tiles(0.0);
+    let (far, more, their_extents) = tiles(300.0);
+    positions.iter_mut().zip(far).for_each(|(own, far)| own.extend(far));
+    sensors.extend(more.iter().map(|sensor| sensor + 9));
+    extents.extend(their_extents);
+    let names: Vec<Arc<str>> = (0..18).map(|k| format!("tile {k}").into()).collect();
+    let [x, y, z] = &positions;
+    let hits =
+        HitPositions { names: &names, sensors: &sensors, positions: [x, y, z], extents: &extents, ..NONE };
+    let hits = HitPositions { cells: Some(3), ..hits };
+    let drawing = hit_maps_svg(hits, "a", "mm");
+    let all = |drawing: &str| cells(&drawing[..drawing.find(">all sensors<").unwrap()]);
+    assert_eq!(all(&drawing), 9 * 9);
+    assert!(drawing.contains("5602 hits of 16 of 18 sensors"), "{drawing}");
+    // two tiles of one footprint, and each of them
+    let two = hit_maps_svg(HitPositions { chosen: Some(&[3, 12]), ..hits }, "a", "mm");
+    assert_eq!((all(&two), cells(&two)), (9, 27));
+    assert!(two.contains(">tile 3<") && two.contains(">tile 12<") && !two.contains(">tile 0<"), "{two}");
+    assert!(two.contains("800 hits of 2 of 18 sensors"), "{two}");
+}
+
 #[test]
 fn of_many_sensors_those_with_the_most_hits_have_maps() {
     // sensor k has k + 1 hits
@@ -236,6 +261,9 @@ fn of_many_sensors_those_with_the_most_hits_have_maps() {
     for k in 0..20 {
         assert_eq!(drawing.contains(&format!(">sensor {k}<")), k >= 4, "{k}");
     }
+    let chosen: Vec<u32> = (0..20).collect();
+    let all = hit_maps_svg(HitPositions { chosen: Some(&chosen), ..hits }, "a", "mm");
+    assert!((0..20).all(|k| all.contains(&format!(">sensor {k}<"))), "{all}");
     // in the order of their numbers
     let places: Vec<usize> = (4..20).filter_map(|k| drawing.find(&format!(">sensor {k}<"))).collect();
     assert!(places.is_sorted(), "{places:?}");

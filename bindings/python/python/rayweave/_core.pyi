@@ -576,9 +576,9 @@ def load(
 ) -> Model:
     """Reads a model file: a native one (.toml), one of another program (OpenSCAD's .csg, Geant4's .gdml), or a mesh (.stl, .obj, .ply,
     .off, .3mf, .gltf, .glb). The ending selects the format, unless `format` names it: "native", "openscad", "gdml", or the
-    ending of a mesh. `parameters` overrides parameters of a native file by numbers or arithmetic text. With `facets`, round
-    shapes become the facets that their own program uses; by default they are exactly round. The model's `warnings` list parts
-    that were approximated, dropped or rejected. `fonts` are font files and folders, searched before the system's fonts. With
+    ending of a mesh. `parameters` overrides parameters of a native file, or constants, variables and quantities of a GDML file, by
+    numbers or arithmetic text. With `facets`, round shapes become the facets that their own program uses; by default they are exactly
+    round. The model's `warnings` list parts that were approximated, dropped or rejected. `fonts` are font files and folders, searched before the system's fonts. With
     `repair`, meshes that are not solids are repaired as far as that is safe, and `warnings` list the changes. `unit` is the unit
     of files without one (STL, OBJ, PLY, OFF, OpenSCAD); default "mm". The model may read files in its folder and below, and the
     files and folders in `allow`. With `strict`, warnings are errors.
@@ -1136,18 +1136,22 @@ class CompiledDetector:
 def load_detector(
     path: str | PathLike[str],
     tables: PhotonTables,
+    parameters: dict[str, float | str] | None = None,
     *,
     allow: Sequence[str | PathLike[str]] = ...,
     strict: bool = False,
+    allow_missing: bool = False,
 ) -> CompiledDetector:
     """Reads a detector from a GDML file, or from a native model converted from one."""
 
 def loads_detector(
     text: str,
     tables: PhotonTables,
+    parameters: dict[str, float | str] | None = None,
     *,
     allow: Sequence[str | PathLike[str]] = ...,
     strict: bool = False,
+    allow_missing: bool = False,
     native: bool = False,
 ) -> CompiledDetector:
     """Reads a detector from the text of a GDML file, or of a native model."""
@@ -1205,17 +1209,28 @@ class PhotonHits:
     def save(self, path: str | PathLike[str]) -> None:
         """Writes the table of hits of the command: .csv, .npy or .parquet."""
 
+    def select(self, rows: Sequence[int]) -> PhotonHits:
+        """Some of the hits by their rows."""
+
+    def sensors_named(self, text: str) -> list[int]:
+        """The numbers of the sensors whose path ends with a text, or of all sensors ("all")."""
+
     def map_svg(
-        self, title: str, cells: int | None = None, plane: str | None = None, scale: str = "linear"
+        self,
+        title: str,
+        cells: int | None = None,
+        plane: str | None = None,
+        scale: str = "linear",
+        chosen: Sequence[int] | None = None,
     ) -> str:
         """Maps of the hits of each sensor as SVG, with a number of cells along their longer side, a plane of all maps, and the scale of the
         colours.
         """
 
     def spectra_svg(
-        self, title: str, bins: int | None, time: tuple[float, float] | None, sensor: int | None
+        self, title: str, bins: int | None, time: tuple[float, float] | None, chosen: Sequence[int] | None
     ) -> str:
-        """Spectra of times and wavelengths as SVG, with a number of bins and the range of times, of all hits or those of a sensor."""
+        """Spectra of times and wavelengths as SVG, with a number of bins and the range of times, of all hits or those of some sensors."""
 
 @final
 class PhotonRun:

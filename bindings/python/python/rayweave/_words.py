@@ -62,7 +62,7 @@ def unexpected(function: str, names: list[str], name: str, meant: str | None = N
 def did_you_mean(name: str, names: list[str], meant: Mapping[str, str]) -> str:
     """A question that ends a message about an unknown name, after a space, or "": what `meant` has for words of other programs,
     else the closest of the known names."""
-    near = get_close_matches(name, names, 1)
+    near = [own for own in names if own.casefold() == name.casefold()] or get_close_matches(name, names, 1)
     suggestion = meant.get(name) or (near[0] if near else None)
     return f" Did you mean {suggestion}?" if suggestion else ""
 

@@ -8,8 +8,9 @@ use std::time::Instant;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use rayweave::Packets;
-use rayweave::formats::{self, Format, Imported, Options};
+use rayweave::formats::{self, Format, Imported, LossKind, Options};
 use rayweave::model::drive::Cancel;
 use rayweave::photon::property::{PropertyTable, Spectrum};
 use rayweave::photon::{
@@ -21,6 +22,7 @@ use rayweave::photon_simulator::PhotonSimulator;
 use crate::device::{device_argument, warn};
 use crate::error::{bad_value, require_file};
 use crate::interrupt::{abandonable, interruptible};
+use crate::model::overrides;
 use crate::photons::hits::PyPhotonHits;
 use crate::photons::light::TorchLight;
 use crate::photons::parts::DetectorParts;
@@ -43,40 +45,62 @@ pub struct PyDetector {
 
 /// Reads a detector from a GDML file, or from a native model converted from one.
 #[pyfunction]
-#[pyo3(signature = (path, tables, *, allow = Vec::new(), strict = false))]
+#[pyo3(signature = (
+    path, tables, parameters: "dict[str, float | str] | None" = None, *, allow = Vec::new(), strict = false, allow_missing = false
+))]
 pub fn load_detector(
     py: Python<'_>,
     path: PathBuf,
     tables: &PyTables,
+    parameters: Option<&Bound<'_, PyDict>>,
     allow: Vec<PathBuf>,
     strict: bool,
+    allow_missing: bool,
 ) -> PyResult<PyDetector> {
     require_file(&path)?;
+    let overrides = overrides(parameters)?;
     let options = Options { allow, strict, ..Options::default() };
     let tables = tables.0.clone();
     abandonable(py, move || {
-        let imported = formats::load(&path, None, &[], &options).map_err(bad_value)?;
-        PyDetector::new(imported, tables)
+        let imported = formats::load(&path, None, &overrides, &options).map_err(bad_value)?;
+        PyDetector::new(complete(imported, allow_missing)?, tables)
     })?
+}
+
+/// A model without missing geometry and undefined references, unless they are accepted.
+fn complete(imported: Imported, allow_missing: bool) -> PyResult<Imported> {
+    let missing = imported.report.errors(&[LossKind::Refused, LossKind::Undefined]);
+    if allow_missing || missing.is_empty() {
+        return Ok(imported);
+    }
+    let advice = "The model is incomplete, and results would be wrong. Correct the file, or accept it with allow_missing=True.";
+    Err(bad_value(format!("{missing}\n\n{advice}")))
 }
 
 /// Reads a detector from the text of a GDML file, or of a native model.
 #[pyfunction]
-#[pyo3(signature = (text, tables, *, allow = Vec::new(), strict = false, native = false))]
+#[pyo3(signature = (
+    text, tables, parameters: "dict[str, float | str] | None" = None, *, allow = Vec::new(), strict = false, allow_missing = false,
+    native = false
+))]
+#[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
 pub fn loads_detector(
     py: Python<'_>,
     text: String,
     tables: &PyTables,
+    parameters: Option<&Bound<'_, PyDict>>,
     allow: Vec<PathBuf>,
     strict: bool,
+    allow_missing: bool,
     native: bool,
 ) -> PyResult<PyDetector> {
+    let overrides = overrides(parameters)?;
     let options = Options { allow, strict, ..Options::default() };
     let tables = tables.0.clone();
     let format = if native { Format::Native } else { Format::Gdml };
     abandonable(py, move || {
-        let imported = formats::parse(&text, format, &[], &options).map_err(bad_value)?;
-        PyDetector::new(imported, tables)
+        let imported = formats::parse(&text, format, &overrides, &options).map_err(bad_value)?;
+        PyDetector::new(complete(imported, allow_missing)?, tables)
     })?
 }
 
@@ -192,7 +216,9 @@ impl PyDetector {
             let kind = if finding.is_unused { "unused" } else { "optical" };
             (kind, finding.place, finding.message.to_string())
         };
-        found.into_iter().map(own).collect()
+        let undefined = imported.report.undefined();
+        let undefined = undefined.map(|loss| ("optical", loss.place(), loss.first.message().to_owned()));
+        undefined.chain(found.into_iter().map(own)).collect()
     }
 
     /// A sentence about photons of a source that start outside the world or in a material without a refractive index; an error if

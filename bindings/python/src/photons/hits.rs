@@ -1,6 +1,7 @@
 //! Detected photons as arrays, files and drawings.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -85,9 +86,23 @@ impl PyPhotonHits {
         py.detach(write).map_err(bad_value)
     }
 
+    /// Some of the hits by their rows.
+    fn select(&self, rows: Vec<usize>) -> PyResult<PyPhotonHits> {
+        if let Some(row) = rows.iter().find(|row| **row >= self.hits.len()) {
+            return Err(bad_value(format!("there is no row {row}: there are {} hits.", self.hits.len())));
+        }
+        let flags = self.flags.as_ref().map(|flags| rows.iter().map(|&row| flags[row]).collect());
+        Ok(PyPhotonHits { hits: self.hits.select(&rows), flags, detector: self.detector.clone() })
+    }
+
+    /// The numbers of the sensors whose path ends with a text, or of all sensors ("all").
+    fn sensors_named(&self, text: &str) -> PyResult<Vec<u32>> {
+        self.hits.sensors_named(text).map_err(bad_value)
+    }
+
     /// Maps of the hits of each sensor as SVG, with a number of cells along their longer side, a plane of all maps, and the scale of the
     /// colours.
-    #[pyo3(signature = (title, cells = None, plane = None, scale = "linear"))]
+    #[pyo3(signature = (title, cells = None, plane = None, scale = "linear", chosen = None))]
     fn map_svg(
         &self,
         py: Python<'_>,
@@ -95,29 +110,32 @@ impl PyPhotonHits {
         cells: Option<usize>,
         plane: Option<&str>,
         scale: &str,
+        chosen: Option<Vec<u32>>,
     ) -> PyResult<String> {
         let scale = scale.parse::<MapScale>().map_err(bad_value)?;
         let plane = plane.map(str::parse::<MapPlane>).transpose().map_err(bad_value)?;
         let [x, y, z] = &self.hits.position;
         let (names, sensors) = (self.hits.paths(), &self.hits.sensor);
         let extents = self.detector.detector.sensor_extents();
-        let hits = HitPositions { names, sensors, positions: [x, y, z], extents, cells, plane, scale };
+        let (positions, chosen) = ([&x[..], y, z], chosen.as_deref());
+        let hits = HitPositions { names, sensors, positions, extents, cells, plane, scale, chosen };
         Ok(py.detach(|| hit_maps_svg(hits, title, "mm")))
     }
 
-    /// Spectra of times and wavelengths as SVG, with a number of bins and the range of times, of all hits or those of a sensor.
-    #[pyo3(signature = (title, bins, time, sensor))]
+    /// Spectra of times and wavelengths as SVG, with a number of bins and the range of times, of all hits or those of some sensors.
+    #[pyo3(signature = (title, bins, time, chosen))]
     fn spectra_svg(
         &self,
         py: Python<'_>,
         title: &str,
         bins: Option<usize>,
         time: Option<(f64, f64)>,
-        sensor: Option<u32>,
+        chosen: Option<Vec<u32>>,
     ) -> String {
-        let selected = |values| match sensor {
+        let chosen = chosen.map(|sensors| sensors.into_iter().collect::<HashSet<u32>>());
+        let selected = |values| match &chosen {
             None => Cow::Borrowed(values),
-            Some(sensor) => Cow::Owned(self.of_sensor(values, sensor)),
+            Some(sensors) => Cow::Owned(self.of_sensors(values, sensors)),
         };
         let times = selected(self.hits.time.as_slice());
         let wavelengths = selected(self.hits.wavelength_nm.as_slice());
@@ -130,9 +148,9 @@ impl PyPhotonHits {
 }
 
 impl PyPhotonHits {
-    /// The values of the hits of a sensor.
-    fn of_sensor(&self, values: &[f64], sensor: u32) -> Vec<f64> {
+    /// The values of the hits of some sensors.
+    fn of_sensors(&self, values: &[f64], sensors: &HashSet<u32>) -> Vec<f64> {
         let hits = values.iter().zip(&self.hits.sensor);
-        hits.filter(|(_, own)| **own == sensor).map(|(value, _)| *value).collect()
+        hits.filter(|(_, own)| sensors.contains(own)).map(|(value, _)| *value).collect()
     }
 }

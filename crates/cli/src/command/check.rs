@@ -184,7 +184,11 @@ impl Check {
             let kind = if finding.is_unused { FindingKind::Unused } else { FindingKind::Optical };
             Finding::stated(kind, finding.to_string())
         });
-        report.findings.extend(stated);
+        let undefined = imported.report.undefined().map(|loss| {
+            let place = loss.place().map_or(String::new(), |place| format!("{place}: "));
+            Finding::stated(FindingKind::Optical, format!("{place}{}", loss.first.message()))
+        });
+        report.findings.extend(undefined.chain(stated));
         // what is wrong with the light comes first: in a detector, volumes that touch are the usual case
         report.findings.sort_by_key(|finding| (finding.kind != FindingKind::Optical, finding.kind));
         let pictures = match &self.pictures {

@@ -8,6 +8,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{ArgGroup, Args};
 use rayweave::detector::{Histogram, HitPositions, MapPlane, MapScale, histograms_svg, hit_maps_svg};
 use rayweave::photon::{Detector, Hits, read_hits};
+use std::borrow::Cow;
+use std::collections::HashSet;
 use std::path::PathBuf;
 
 /// Maps and spectra of hits.
@@ -33,12 +35,26 @@ pub struct HitDrawings {
     #[arg(long, value_name = "SCALE", requires = "map", default_value = "linear", value_parser = map_scale())]
     map_scale: MapScale,
 
+    /// Sensors to draw as maps, each with a map of its own: those whose path ends with this path, such as SiPM[1] or Gap[3]/SiPM, or
+    /// all [default: the hits of all sensors, with maps of the 16 with the most hits]
+    #[arg(long, value_name = "PATH", requires = "map")]
+    map_sensors: Option<String>,
+
     /// Spectra of the times and wavelengths of the hits, .svg, .pdf, .png or .jpg
     #[arg(long, value_name = "DRAWING")]
     pub spectra: Option<PathBuf>,
+
+    /// Sensors whose hits the spectra count, as for --map-sensors [default: all]
+    #[arg(long, value_name = "PATH", requires = "spectra")]
+    spectra_sensors: Option<String>,
 }
 
 impl HitDrawings {
+    /// True if sensors without hits have numbers in the drawings.
+    pub fn needs_all_sensors(&self) -> bool {
+        self.map.is_some() || self.spectra_sensors.is_some()
+    }
+
     /// The files to write.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         [&self.map, &self.spectra].into_iter().flatten()
@@ -46,7 +62,9 @@ impl HitDrawings {
 
     /// Draws hits whose sensors have the numbers of the detector. `name` is that of the model.
     pub fn draw(&self, hits: &Hits, detector: &Detector, name: &str) -> Result<(), Failure> {
+        let chosen = |text: &Option<String>| text.as_ref().map(|text| hits.sensors_named(text)).transpose();
         if let Some(path) = &self.map {
+            let chosen = chosen(&self.map_sensors)?;
             let [x, y, z] = &hits.position;
             let (names, sensors) = (hits.paths(), &hits.sensor);
             let hits = HitPositions {
@@ -57,14 +75,24 @@ impl HitDrawings {
                 cells: self.map_bins,
                 plane: self.map_plane,
                 scale: self.map_scale,
+                chosen: chosen.as_deref(),
             };
             drawing::save(path, &hit_maps_svg(hits, name, "mm"), name)?;
         }
         let Some(path) = &self.spectra else { return Ok(()) };
-        let time = Histogram::new("time", "ns", &hits.time);
-        let wavelength =
-            Histogram { is_wavelength: true, ..Histogram::new("wavelength", "nm", &hits.wavelength_nm) };
-        let title = format!("Hits: {name}");
+        let (of_sensors, title) = match (chosen(&self.spectra_sensors)?, &self.spectra_sensors) {
+            (Some(chosen), Some(text)) => {
+                let chosen: HashSet<u32> = chosen.into_iter().collect();
+                let rows = (0..hits.len()).filter(|&row| chosen.contains(&hits.sensor[row]));
+                (Cow::Owned(hits.select(&rows.collect::<Vec<_>>())), format!("Hits: {name}, {text}"))
+            }
+            _ => (Cow::Borrowed(hits), format!("Hits: {name}")),
+        };
+        let time = Histogram::new("time", "ns", &of_sensors.time);
+        let wavelength = Histogram {
+            is_wavelength: true,
+            ..Histogram::new("wavelength", "nm", &of_sensors.wavelength_nm)
+        };
         drawing::save(path, &histograms_svg(&[time, wavelength], &title), &title)
     }
 }
@@ -110,7 +138,7 @@ pub struct PhotonDraw {
 impl PhotonDraw {
     pub fn run(&self) -> Result<(), Failure> {
         self.drawings.files().try_for_each(|path| drawing::check(path))?;
-        let (document, scene) = self.model.load_document()?;
+        let (document, scene) = self.model.load_optical_document()?;
         let detector = Detector::with_tables(&scene, &document, &self.tables.tables()?)?;
         let hits = read_hits(&self.hits, &detector)?;
         self.drawings.draw(&hits, &detector, &self.model.name())

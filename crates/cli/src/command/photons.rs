@@ -131,7 +131,7 @@ pub struct Simulation {
     #[arg(long, value_name = "DRAWING")]
     draw: Option<PathBuf>,
 
-    /// Plane of the section: yz, xz, xy, or a position along an axis, as x=2.5 [default: the plane nearest to the tracks]
+    /// Plane of the section: yz, xz, xy, or a position along an axis, as x=2.5 [default: the plane nearest to the points of the tracks]
     #[arg(long, value_name = "PLANE", requires = "draw")]
     plane: Option<LayoutPlane>,
 
@@ -266,7 +266,7 @@ impl Simulation {
             }
             _ => {}
         }
-        let (document, scene) = self.model.load_document()?;
+        let (document, scene) = self.model.load_optical_document()?;
         let tables = self.tables.tables()?;
         let detector = Detector::with_tables(&scene, &document, &tables)?;
         let note = |text: &str| {
@@ -311,7 +311,7 @@ impl Simulation {
         if !global.quiet {
             report.remarks(&self.model.name(), mistakes).iter().for_each(|text| note(text));
         }
-        if self.hit_drawings.map.is_some() {
+        if self.hit_drawings.needs_all_sensors() {
             report.run.hits.number_by(&detector);
         }
         self.draw_tracks(&detector, &source, &settings, report.detected.numbers(self.tracks))?;

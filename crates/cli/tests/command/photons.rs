@@ -508,6 +508,33 @@ fn the_note_of_a_dark_run_is_true() {
     }
 }
 
+/// An undefined reference, at which Geant4 stops: the run is refused with its place, `check` lists it, and --allow-missing goes on.
+#[test]
+fn undefined_references_are_refused() {
+    let bench = bench();
+    let (from, to) = (r#"surfaceproperty="Cathode""#, r#"surfaceproperty="Cathodes""#);
+    assert!(block("xml").contains(from));
+    bench.write("bar.gdml", block("xml").replace(from, to));
+    let said = bench.fails(3, &run(&[]));
+    assert!(
+        said.contains("unknown optical surface `Cathodes`") && said.contains("Did you mean `Cathode`?"),
+        "{said}"
+    );
+    assert!(said.contains("bar.gdml:") && said.contains("a reference names nothing in the file"), "{said}");
+    assert_eq!(bench.json(&run(&["--json", "--allow-missing"]))["hits"], 0);
+    let found = bench.json(&["check", "bar.gdml", "--json"]);
+    let texts = found["findings"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|own| own["text"].as_str().unwrap_or_default().to_owned());
+    assert_eq!(
+        texts.filter(|text| text.contains("unknown optical surface `Cathodes`")).count(),
+        1,
+        "{found}"
+    );
+}
+
 /// The run notes a daughter that extends beyond its mother with the words of the check.
 #[test]
 fn protruding_daughters_are_noted() {

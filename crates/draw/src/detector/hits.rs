@@ -31,6 +31,9 @@ pub struct HitPositions<'a> {
     pub plane: Option<MapPlane>,
     /// The scale of the colours.
     pub scale: MapScale,
+    /// The sensors to draw, each of them with a map: indices into `names`. By default the hits of all sensors, with maps of the
+    /// sixteen with the most hits.
+    pub chosen: Option<&'a [u32]>,
 }
 
 /// The length of an axis where several maps are drawn, their columns, and the height of the title above.
@@ -167,7 +170,7 @@ struct Panel<'a> {
 /// coordinate in which a flat sensor, or the hits of a different one, extend least. For several sensors, the first map is a projection of all hits, in which sensors may
 /// overlap: with a colour scale of its own, along the coordinate in which the sensors extend least on average. The sixteen sensors
 /// with the most hits have separate maps with a common colour scale, in the order of `names`, or as they lie if they are equal and
-/// form a grid of up to four columns. The plane [`MapPlane::Sphere`] gives one map of all hits, with a marker for each sensor if all are small as seen
+/// form a grid of up to four columns. With chosen sensors, their hits alone are drawn, and each of them has a map. The plane [`MapPlane::Sphere`] gives one map of all hits, with a marker for each sensor if all are small as seen
 /// from the origin and no number of cells is given. The cells of a projection divide the extent of the sensor in both coordinates;
 /// sensors of equal size have equal cells, also in the map of all sensors unless they overlap there. `unit` is the unit of length.
 ///
@@ -178,10 +181,26 @@ struct Panel<'a> {
 /// let y: Vec<f64> = (0..100).map(|k| f64::from(k / 10)).collect();
 /// let (names, positions) = (["cathode".into()], [&x[..], &y, &[50.0; 100]]);
 /// let (sensors, extents, scale) = (&[0; 100], &[], MapScale::Linear);
-/// let hits = HitPositions { names: &names, sensors, positions, extents, cells: None, plane: None, scale };
+/// let hits = HitPositions {
+///     names: &names, sensors, positions, extents, cells: None, plane: None, scale, chosen: None,
+/// };
 /// assert!(hit_maps_svg(hits, "detector.gdml", "mm").contains("cathode"));
 /// ```
 pub fn hit_maps_svg(hits: HitPositions<'_>, title: &str, unit: &str) -> String {
+    let Some(chosen) = hits.chosen else { return draw(hits, title, unit) };
+    let mut is_chosen = vec![false; hits.names.len()];
+    chosen.iter().for_each(|&sensor| is_chosen[sensor as usize] = true);
+    let rows: Vec<usize> =
+        (0..hits.sensors.len()).filter(|&row| is_chosen[hits.sensors[row] as usize]).collect();
+    let sensors: Vec<u32> = rows.iter().map(|&row| hits.sensors[row]).collect();
+    let positions = hits.positions.map(|column| rows.iter().map(|&row| column[row]).collect::<Vec<f64>>());
+    let [x, y, z] = &positions;
+    let extents = hits.extents.iter().zip(&is_chosen);
+    let extents: Vec<Option<Bounds>> = extents.map(|(own, is_chosen)| own.filter(|_| *is_chosen)).collect();
+    draw(HitPositions { sensors: &sensors, positions: [x, y, z], extents: &extents, ..hits }, title, unit)
+}
+
+fn draw(hits: HitPositions<'_>, title: &str, unit: &str) -> String {
     let panels = panels(hits);
     // the hits of all sensors may overlap in the plane, so the first of several maps has its own scale
     let (first, others) = panels.split_at(1.min(panels.len()));
@@ -308,7 +327,11 @@ fn panels(hits: HitPositions<'_>) -> Vec<Panel<'_>> {
     let is_sphere = plane_of_all == MapPlane::Sphere;
     let has_all = counts.len() > 1 || is_sphere && !counts.is_empty();
     let all = has_all.then(|| Panel::of_all(hits, &frames, plane_of_all));
-    counts.truncate(if is_sphere { 0 } else { MAX_SENSORS });
+    counts.truncate(match hits.chosen {
+        _ if is_sphere => 0,
+        Some(chosen) => chosen.len(),
+        None => MAX_SENSORS,
+    });
     counts.sort_by_key(|&(sensor, _)| sensor);
     let plane = |sensor| hits.plane.unwrap_or_else(|| MapPlane::along_least(frames.shape(sensor)));
     let windows = counts.iter().filter_map(|&(sensor, count)| {
@@ -342,6 +365,27 @@ fn any_overlap(windows: &[Rectangle]) -> bool {
         (0..2).all(|k| common[k] > EQUAL * (hi[k] - lo[k]).max(other_hi[k] - other_lo[k]))
     };
     windows.iter().enumerate().any(|(k, own)| windows[..k].iter().any(|other| overlap(own, other)))
+}
+
+/// The different windows of some sensors, with the numbers of the sensors of each: those on opposite sides of a detector have one
+/// footprint.
+fn footprints(numbers: &[usize], windows: &[Rectangle]) -> (Vec<Vec<usize>>, Vec<Rectangle>) {
+    let (mut groups, mut footprints) = (Vec::<Vec<usize>>::new(), Vec::<Rectangle>::new());
+    for (&number, &window) in numbers.iter().zip(windows) {
+        let longer = size(window)[0].max(size(window)[1]);
+        let coincides = |other: &Rectangle| {
+            let near = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() <= EQUAL * longer);
+            near(window[0], other[0]) && near(window[1], other[1])
+        };
+        match footprints.iter().position(coincides) {
+            Some(group) => groups[group].push(number),
+            None => {
+                groups.push(vec![number]);
+                footprints.push(window);
+            }
+        }
+    }
+    (groups, footprints)
 }
 
 fn size([lo, hi]: Rectangle) -> [f64; 2] {
@@ -511,11 +555,13 @@ impl<'a> Panel<'a> {
             _ => {
                 let (window, numbers, sensors) = frames.of_all(plane);
                 let are_few = sensors.len() <= MAX_OUTLINES;
-                let maps = match are_few && !any_overlap(&sensors) {
-                    true => HitMap::of_sensors(hits, plane, &numbers, &sensors),
+                let (groups, footprints) =
+                    if are_few { footprints(&numbers, &sensors) } else { Default::default() };
+                let maps = match are_few && !any_overlap(&footprints) {
+                    true => HitMap::of_footprints(hits, plane, &groups, &footprints),
                     false => vec![HitMap::of_overlapping(hits, plane, window, &sensors)],
                 };
-                (maps, Vec::new(), if are_few { sensors } else { Vec::new() })
+                (maps, Vec::new(), footprints)
             }
         };
         let corner = |k: usize, end: fn(&HitMap) -> [f64; 2], choose: fn(f64, f64) -> f64| {
@@ -584,21 +630,26 @@ struct HitMap {
 const WHOLE_SPHERE: Rectangle = [[-180.0, -1.0], [180.0, 1.0]];
 
 impl HitMap {
-    /// The maps of sensors that do not overlap in a projection, given their numbers and windows.
-    fn of_sensors(
+    /// The maps of footprints that do not overlap, given the numbers of their sensors.
+    fn of_footprints(
         hits: HitPositions<'_>,
         plane: MapPlane,
-        numbers: &[usize],
-        windows: &[Rectangle],
+        sensors: &[Vec<usize>],
+        footprints: &[Rectangle],
     ) -> Vec<HitMap> {
-        let mut points = vec![Vec::new(); hits.names.len()];
-        for (&sensor, point) in hits.sensors.iter().zip(projected(hits, 0..hits.sensors.len(), plane)) {
-            points[sensor as usize].push(point);
+        let mut group_of = vec![None; hits.names.len()];
+        for (group, own) in sensors.iter().enumerate() {
+            own.iter().for_each(|&sensor| group_of[sensor] = Some(group));
         }
-        let counts = numbers.iter().map(|&sensor| points[sensor].len());
-        let cells = cells_of_sensors(hits, counts.zip(windows.iter().copied()));
-        let own = numbers.iter().zip(windows).zip(cells);
-        own.map(|((&sensor, &window), cells)| HitMap::new(&points[sensor], window, cells)).collect()
+        let mut points = vec![Vec::new(); footprints.len()];
+        for (&sensor, point) in hits.sensors.iter().zip(projected(hits, 0..hits.sensors.len(), plane)) {
+            if let Some(group) = group_of[sensor as usize] {
+                points[group].push(point);
+            }
+        }
+        let cells = cells_of_sensors(hits, points.iter().map(Vec::len).zip(footprints.iter().copied()));
+        let own = points.iter().zip(footprints).zip(cells);
+        own.map(|((points, &window), cells)| HitMap::new(points, window, cells)).collect()
     }
 
     /// One map of sensors that overlap in a projection.

@@ -107,6 +107,6 @@ def unknown(what: str, name: Any, known: Iterable[str]) -> NoReturn:
     names = list(known)
     if not isinstance(name, str):
         raise TypeError(f"the {what} is {name!r}: it can be {', '.join(names)}.")
-    close = get_close_matches(name, names, 1)
+    close = [own for own in names if own.casefold() == name.casefold()] or get_close_matches(name, names, 1)
     hint = f" Did you mean {close[0]!r}?" if close else ""
     raise _core.RayweaveError(f"there is no {what} {name!r}: there are {', '.join(names)}.{hint}")

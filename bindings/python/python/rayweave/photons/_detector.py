@@ -260,10 +260,11 @@ class Detector:
         text: str = "",
         tables: SurfaceTables | None = None,
         *,
+        parameters: dict[str, float | str] | None = None,
         is_native: bool = False,
     ) -> None:
         self.compiled = compiled
-        self._made_of = text, tables, name, is_native
+        self._made_of = text, tables, name, parameters, is_native
         self.name = name
         self.materials = tuple(Material(*_described(row)) for row in compiled.materials())
         """The materials; the first one is that of the world outside of all volumes."""
@@ -515,13 +516,17 @@ def load(
     path: str | PathLike[str],
     *,
     tables: SurfaceTables | None = None,
+    parameters: Mapping[str, float | str] | None = None,
     allow: Sequence[str | PathLike[str]] = (),
     strict: bool = False,
+    allow_missing: bool = False,
 ) -> Detector:
     """Reads a detector from a GDML file, or from a native model with optical properties.
 
     The file may read others in its folder and below, and the files and folders in `allow`. With `strict`, warnings of the reader
-    are errors. All invalid properties are reported at once. `tables` are those of measured surfaces.
+    are errors. All invalid properties are reported at once. `tables` are those of measured surfaces. `parameters` replace the values
+    of constants, variables and quantities of a GDML file, or of parameters of a native model, by numbers or arithmetic text. Refused
+    solids and undefined references are errors, unless `allow_missing` accepts the remaining parts.
 
     Examples
     --------
@@ -530,20 +535,26 @@ def load(
     >>> detector.material("Crystal").refractive_index.at([400, 550])
     array([1.79, 1.79])
     """
-    compiled = _core.load_detector(path, _tables(tables), allow=list(allow), strict=strict)
-    for text in compiled.optical_warnings:
-        warnings.warn(text, stacklevel=2)
+    given = None if parameters is None else dict(parameters)
+    compiled = _core.load_detector(
+        path, _tables(tables), given, allow=list(allow), strict=strict, allow_missing=allow_missing
+    )
     file = Path(path)
     kept = file.read_text(encoding="utf-8", errors="surrogateescape")
-    return Detector(compiled, file.name, kept, tables, is_native=file.suffix.lower() != ".gdml")
+    made = Detector(compiled, file.name, kept, tables, parameters=given, is_native=file.suffix.lower() != ".gdml")
+    for text in made.warnings:
+        warnings.warn(text, stacklevel=2)
+    return made
 
 
 def loads(
     text: str,
     *,
     tables: SurfaceTables | None = None,
+    parameters: Mapping[str, float | str] | None = None,
     allow: Sequence[str | PathLike[str]] = (),
     strict: bool = False,
+    allow_missing: bool = False,
 ) -> Detector:
     """As `load`, from the text of a GDML file or of a native model. Names of files are relative to the current folder.
 
@@ -554,16 +565,32 @@ def loads(
     """
     # XML begins with an angle bracket, which no native model does
     is_native = not text.lstrip("\ufeff \t\r\n").startswith("<")
-    compiled = _core.loads_detector(text, _tables(tables), allow=list(allow), strict=strict, native=is_native)
-    for warning in compiled.optical_warnings:
+    given = None if parameters is None else dict(parameters)
+    compiled = _core.loads_detector(
+        text,
+        _tables(tables),
+        given,
+        allow=list(allow),
+        strict=strict,
+        allow_missing=allow_missing,
+        native=is_native,
+    )
+    made = Detector(compiled, "detector", text, tables, parameters=given, is_native=is_native)
+    for warning in made.warnings:
         warnings.warn(warning, stacklevel=2)
-    return Detector(compiled, "detector", text, tables, is_native=is_native)
+    return made
 
 
-def _again(text: str, tables: SurfaceTables | None, name: str, is_native: bool) -> Detector:
+def _again(
+    text: str,
+    tables: SurfaceTables | None,
+    name: str,
+    parameters: dict[str, float | str] | None,
+    is_native: bool,
+) -> Detector:
     """A detector from its pickled parts. Other files that the text names must be in the current folder or below."""
-    compiled = _core.loads_detector(text, _tables(tables), native=is_native)
-    return Detector(compiled, name, text, tables, is_native=is_native)
+    compiled = _core.loads_detector(text, _tables(tables), parameters, allow_missing=True, native=is_native)
+    return Detector(compiled, name, text, tables, parameters=parameters, is_native=is_native)
 
 
 def _tables(tables: SurfaceTables | None) -> _core.PhotonTables:

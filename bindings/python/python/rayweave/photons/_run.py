@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +17,6 @@ from rayweave._drawing import Drawing
 from rayweave._files import AtomicFile
 from rayweave._table import Table, dataset, table_of
 from rayweave._whole import whole
-from rayweave._words import did_you_mean
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import package
 
@@ -131,6 +131,39 @@ class Hits(_Named):
         the copy numbers of their placements. Sensors are the sensitive volumes and those behind surfaces with an EFFICIENCY."""
         return self.names["sensor"]
 
+    @property
+    def copy_numbers(self) -> NDArray[np.int64]:
+        """(N, L) the copy numbers of the L steps of the paths of the sensors, from the outermost one; -1 for steps without a number and
+        behind the last step of a shorter path."""
+        steps = [[_copy_number(step) for step in path.split("/")] for path in self.sensor_paths]
+        length = max(map(len, steps), default=0)
+        table = np.array([own + [-1] * (length - len(own)) for own in steps], np.int64).reshape(len(steps), length)
+        return table[self["sensor"]]
+
+    @overload
+    def __getitem__(self, key: str) -> NDArray[Any]: ...
+    @overload
+    def __getitem__(self, key: int) -> dict[str, Any]: ...
+    @overload
+    def __getitem__(self, key: slice | NDArray[Any] | list[int] | list[bool]) -> Hits: ...
+    def __getitem__(self, key: Any) -> Any:
+        """A column by its name, a row by its number, or the hits of a slice, a mask or a list of numbers."""
+        if not isinstance(key, (slice, list, np.ndarray)):
+            return super().__getitem__(key)
+        rows = np.arange(self.rows)[key]
+        return Hits(self._compiled.select(rows.tolist()), self._title)
+
+    def _chosen(self, sensor: str | int | None) -> list[int] | None:
+        """The numbers of the sensors that a call names; None for all."""
+        if sensor is None:
+            return None
+        if isinstance(sensor, str):
+            return self._compiled.sensors_named(sensor)
+        number = whole(sensor, "sensor", least=0, bits=31)
+        if number >= len(self.sensor_paths):
+            raise IndexError(f"sensor is {number}: there are {len(self.sensor_paths)} sensors, numbered from 0.")
+        return [number]
+
     def counts(self) -> dict[str, int]:
         """The number of hits of each sensor, with those without hits."""
         counts = np.bincount(self["sensor"], minlength=len(self.sensor_paths))
@@ -152,14 +185,20 @@ class Hits(_Named):
         return self._compiled.opticks().view(np.float32)
 
     def plot(
-        self, plane: str | None = None, *, bins: int | None = None, scale: Literal["linear", "log"] = "linear"
+        self,
+        plane: str | None = None,
+        *,
+        bins: int | None = None,
+        scale: Literal["linear", "log"] = "linear",
+        sensor: str | int | None = None,
     ) -> Drawing:
         """Maps of the hits: hits per area of each sensor, in the plane of the two coordinates along which it extends most if it is
         flat, or else its hits.
 
         Of several sensors, the first map is a projection of all hits, in which sensors may overlap. It has a colour scale of its own;
         the sixteen sensors with the most hits follow with a common scale, in the order of `sensor_paths`, or as they lie if they are
-        equal and form a grid of up to four columns.
+        equal and form a grid of up to four columns. With `sensor`, the hits of the chosen sensors alone are drawn, and each of them has
+        a map: the end of a path, such as "SiPM[1]" or "Gap[3]/SiPM", "all", or a number.
 
         `plane` is the plane of all maps: "xy", "xz" or "yz"; "sphere" gives one map of the azimuth and the cosine of the polar angle
         of all hits as seen from the origin, in hits per steradian, or with a marker for each sensor if all are small as seen from
@@ -168,12 +207,13 @@ class Hits(_Named):
         (for "sphere", along the polar angle, and twice as many along the azimuth); by default it is chosen for about 10 hits in a
         cell, from 4 to 64. The cells divide the extent of the sensor in both coordinates; sensors of equal size have equal cells."""
         cells = None if bins is None else whole(bins, "bins", least=1, bits=10)
-        return Drawing(self._compiled.map_svg(self._title, cells, plane, scale))
+        return Drawing(self._compiled.map_svg(self._title, cells, plane, scale, self._chosen(sensor)))
 
     def plot_spectra(
         self, *, bins: int | None = None, time: tuple[float, float] | None = None, sensor: str | int | None = None
     ) -> Drawing:
-        """Histograms of the times and of the wavelengths, of all hits or of those of one `sensor`, given by its path or its number.
+        """Histograms of the times and of the wavelengths, of all hits or of those of a `sensor`: its number, or the end of its path, as
+        for `plot`; of several such sensors together.
 
         `bins` is the number of bins of each, up to 1023; by default about 60 of a round width, fewer for few hits. `time` is the
         range of times in ns; by default that of the hits, without the latest 0.5 % if they are much later than the others. The
@@ -184,19 +224,17 @@ class Hits(_Named):
             if not (np.isfinite([first, last]).all() and first < last):
                 raise ValueError(f"time is {time}: it must be two finite numbers, the smaller one first.")
             time = first, last
-        if sensor is None:
-            return Drawing(self._compiled.spectra_svg(f"Hits: {self._title}", count, time, None))
-        paths = self.sensor_paths
-        if isinstance(sensor, str):
-            if sensor not in paths:
-                hint = did_you_mean(sensor, paths, {})
-                raise KeyError(f"there is no sensor '{sensor}': `sensor_paths` lists all {len(paths)}.{hint}")
-            number = paths.index(sensor)
-        else:
-            number = whole(sensor, "sensor", least=0, bits=31)
-            if number >= len(paths):
-                raise IndexError(f"sensor is {number}: there are {len(paths)} sensors, numbered from 0.")
-        return Drawing(self._compiled.spectra_svg(f"Hits: {self._title}, {paths[number]}", count, time, number))
+        chosen = self._chosen(sensor)
+        title = f"Hits: {self._title}"
+        if chosen is not None:
+            title += f", {self.sensor_paths[chosen[0]] if len(chosen) == 1 else sensor}"
+        return Drawing(self._compiled.spectra_svg(title, count, time, chosen))
+
+
+def _copy_number(step: str) -> int:
+    """The copy number of a step of a path, such as 3 of `Gap[3]` and `Gap[3]#2`; -1 without one."""
+    found = re.search(r"\[(-?\d+)\](#\d+)?$", step)
+    return int(found[1]) if found else -1
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from rayweave import _core
 from rayweave import optics
 from rayweave._recipe import record_all, reduced
-from rayweave.optics._given import array, numbers, real, text, vector, whole
-from rayweave.optics._sources import Spectrum, _spectrum
+from rayweave.optics._given import array, numbers, real, text, unknown, vector, whole
+from rayweave.optics._sources import _SPECTRA, Spectrum, _spectrum
 
 if TYPE_CHECKING:
     from rayweave.photons._detector import Detector, Material
@@ -66,6 +66,8 @@ def _distribution(wavelength_nm: _Wavelengths) -> tuple[str, list[float], str]:
     """The kind of a spectrum, its numbers, and the name of its material."""
     given: Any = wavelength_nm
     if not (isinstance(given, tuple) and given[:1] == ("scintillation",)):
+        if isinstance(given, (tuple, list)) and given and isinstance(given[0], str) and given[0] not in _SPECTRA:
+            unknown("spectrum", given[0], [*_SPECTRA, "scintillation"])
         return *_spectrum(given), ""
     material: Any = given[1] if len(given) == 2 else None
     components = getattr(material, "scintillation", None)
