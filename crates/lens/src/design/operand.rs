@@ -56,7 +56,7 @@ pub enum Operand {
     },
     /// The transverse aberrations of the rays of a field from their centroid, along x and y, times the roots of
     /// the weights of their points of the pupil ([`PupilQuadrature::gaussian`]): the root of the sum of their
-    /// squares is the RMS radius of the spot.
+    /// squares is the RMS radius of the spot. A target other than 0 is one of this radius.
     Spot {
         /// The field, counted from 0.
         field: usize,
@@ -66,7 +66,7 @@ pub enum Operand {
     },
     /// The optical path differences of the rays of a field about the centroid of the image, without piston and tilt, in
     /// waves, times the roots of the weights: the root of the sum of their squares is the RMS of the wavefront
-    /// ([`Wavefront::rms`](crate::analysis::Wavefront::rms)).
+    /// ([`Wavefront::rms`](crate::analysis::Wavefront::rms)). A target other than 0 is one of this RMS.
     Wavefront {
         /// The field, counted from 0.
         field: usize,
@@ -175,8 +175,41 @@ impl Goal {
         Goal { weight, ..self }
     }
 
-    /// The number of residuals, for `rays` points of the pupil and `lines` wavelengths of the prescription.
-    pub(super) fn count(&self, rays: usize, lines: usize) -> usize {
+    /// True for operands whose values belong to rays and whose value is the root of the sum of the squares of these.
+    fn is_of_rays(&self) -> bool {
+        matches!(
+            self.operand,
+            Operand::Spot { .. } | Operand::Wavefront { .. } | Operand::WavefrontAboutChiefRay { .. }
+        )
+    }
+
+    /// The field whose rays through the whole pupil determine the value; `None` for other operands.
+    pub(super) fn pupil_field(&self) -> Option<usize> {
+        match self.operand {
+            Operand::Spot { field, .. }
+            | Operand::Wavefront { field, .. }
+            | Operand::WavefrontAboutChiefRay { field, .. }
+            | Operand::Mtf { field, .. } => Some(field),
+            _ => None,
+        }
+    }
+
+    /// True if each value has a residual: rays with target 0, where the sum of squares over rays is the square of the RMS value
+    /// and more residuals make the search converge faster. Any other target is one of the RMS value.
+    fn has_residual_per_value(&self) -> bool {
+        !self.is_of_rays() || self.target == Target::Equal(0.0)
+    }
+
+    /// The value of the operand, from those of rays their RMS value.
+    pub(super) fn value(&self, values: &[f64]) -> f64 {
+        match values {
+            [value] if !self.is_of_rays() => *value,
+            _ => values.iter().map(|value| value * value).sum::<f64>().sqrt(),
+        }
+    }
+
+    /// The number of values, for `rays` points of the pupil and `lines` wavelengths of the prescription.
+    pub(super) fn value_count(&self, rays: usize, lines: usize) -> usize {
         match self.operand {
             Operand::Spot { wavelength_nm: Some(_), .. } => 2 * rays,
             Operand::Spot { wavelength_nm: None, .. } => 2 * rays * lines,
@@ -209,13 +242,28 @@ impl Goal {
         Ok(values.filter(|values| values.iter().all(|value| value.is_finite())))
     }
 
-    /// The weighted residual of a value.
-    pub(super) fn residual(&self, value: f64) -> f64 {
-        self.weight * self.target.residual(value)
+    /// The weighted residuals of the values.
+    pub(super) fn residuals(&self, values: &[f64]) -> Vec<f64> {
+        let residual = |value: f64| self.weight * self.target.residual(value);
+        match self.has_residual_per_value() {
+            true => values.iter().copied().map(residual).collect(),
+            false => vec![residual(self.value(values))],
+        }
+    }
+
+    /// The derivatives of the residuals, from those of the values.
+    pub(super) fn residual_changes(&self, values: &[f64], changes: &[f64]) -> Vec<f64> {
+        if self.has_residual_per_value() {
+            return changes.iter().zip(values).map(|(change, &value)| change * self.slope(value)).collect();
+        }
+        let value = self.value(values);
+        let sum: f64 = changes.iter().zip(values).map(|(change, value)| change * value).sum();
+        // an RMS value of 0 is at its minimum
+        vec![if value > 0.0 { sum / value * self.slope(value) } else { 0.0 }]
     }
 
     /// The derivative of the residual with respect to the value: 0 within a bound.
-    pub(super) fn slope(&self, value: f64) -> f64 {
+    fn slope(&self, value: f64) -> f64 {
         let is_bound = !matches!(self.target, Target::Equal(_));
         if is_bound && self.target.residual(value) == 0.0 { 0.0 } else { self.weight }
     }

@@ -44,6 +44,9 @@ pub struct Optimum {
     pub after: f64,
     /// The goals with their values at the start and at the end.
     pub goals: Vec<GoalReport>,
+    /// The fields of spots, wavefronts and transfer functions that the stated semi-diameters of the result vignette, with the
+    /// fraction of the pupil that is lost at the primary wavelength. The goals ignore vignetting.
+    pub vignetted: Vec<(usize, f64)>,
     /// The number of evaluations of the residuals, without those for derivatives.
     pub evaluations: usize,
     /// True if no step improves the result further; false if the evaluation limit ended the search.
@@ -118,8 +121,10 @@ impl<'a> Optimiser<'a> {
             Some(values) => values,
             None => return Err(task.no_start()?),
         };
-        let before = task.residuals_of(&start).norm();
-        let task = Task { penalty: PENALTY * before.max(f64::MIN_POSITIVE), ..task };
+        let residuals = task.residuals_of(&start);
+        let before = residuals.norm();
+        let penalty = PENALTY * before.max(f64::MIN_POSITIVE);
+        let task = Task { penalty, residual_count: residuals.len(), ..task };
         let (task, report) = LevenbergMarquardt::new().with_patience(self.evaluation_limit).minimize(task);
         let variant = task.variant(&task.at)?;
         // the search ends where the goals have values
@@ -129,6 +134,7 @@ impl<'a> Optimiser<'a> {
             values: self.parameters.iter().map(value).collect::<Result<_, DesignError>>()?,
             before,
             goals: task.reports([&start, &end]),
+            vignetted: task.vignetted(&variant)?,
             after: (2.0 * report.objective_function).sqrt(),
             evaluations: report.number_of_evaluations,
             has_converged: has_converged(&report.termination),
@@ -154,6 +160,7 @@ impl<'a> Optimiser<'a> {
             pupil: pupil(self.rings)?,
             at: DVector::zeros(scales.len()),
             scales,
+            residual_count: 0,
             penalty: f64::INFINITY,
         })
     }
@@ -192,6 +199,8 @@ struct Task<'a> {
     pupil: PupilQuadrature,
     scales: Vec<f64>,
     at: DVector<f64>,
+    /// The number of residuals, with padding.
+    residual_count: usize,
     /// The residual used where no light arrives.
     penalty: f64,
 }
@@ -207,7 +216,7 @@ impl Task<'_> {
     /// The values of all goals; `None` if a ray that they need does not arrive.
     fn values_at(&self, at: &DVector<f64>) -> Result<Option<Vec<f64>>, DesignError> {
         let variant = self.variant(at)?;
-        let mut all = Vec::with_capacity(self.count());
+        let mut all = Vec::new();
         for goal in &self.optimiser.goals {
             match goal.values(&variant, &self.pupil)? {
                 Some(values) => all.extend(values),
@@ -230,17 +239,21 @@ impl Task<'_> {
         Ok(DesignError::NoStart { goal: number, goals: self.optimiser.goals.len() })
     }
 
-    /// The goal of each value.
-    fn goals(&self) -> impl Iterator<Item = &Goal> {
-        let count = |goal: &Goal| self.count_of(goal);
-        self.optimiser.goals.iter().flat_map(move |goal| std::iter::repeat_n(goal, count(goal)))
+    /// The goals with their parts of a list of all values.
+    fn goals_with<'v>(&self, values: &'v [f64]) -> impl Iterator<Item = (&Goal, &'v [f64])> {
+        let mut rest = values;
+        self.optimiser.goals.iter().map(move |goal| {
+            let (own, others) = rest.split_at(self.value_count_of(goal));
+            rest = others;
+            (goal, own)
+        })
     }
 
     /// The residuals, padded with zeros to at least one per parameter.
     fn residuals_of(&self, values: &[f64]) -> DVector<f64> {
         let mut residuals: Vec<f64> =
-            self.goals().zip(values).map(|(goal, value)| goal.residual(*value)).collect();
-        residuals.resize(self.count(), 0.0);
+            self.goals_with(values).flat_map(|(goal, own)| goal.residuals(own)).collect();
+        residuals.resize(residuals.len().max(self.scales.len()), 0.0);
         DVector::from_vec(residuals)
     }
 
@@ -256,31 +269,38 @@ impl Task<'_> {
     }
 
     /// The goals with their values at the start and at the end.
-    fn reports(&self, values: [&[f64]; 2]) -> Vec<GoalReport> {
-        let norm = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().sqrt();
-        let square = |goal: &Goal, value: f64| goal.residual(value) * goal.residual(value);
-        let mut at = 0;
-        let report = |goal: &Goal| {
-            let own = at..at + self.count_of(goal);
-            at = own.end;
-            let own = values.map(|values| &values[own.clone()]);
-            GoalReport {
-                goal: *goal,
-                values: own.map(|values| if let [value] = values { *value } else { norm(values) }),
-                contributions: own.map(|values| values.iter().map(|&value| square(goal, value)).sum()),
-            }
+    fn reports(&self, [start, end]: [&[f64]; 2]) -> Vec<GoalReport> {
+        let square = |residuals: Vec<f64>| residuals.iter().map(|residual| residual * residual).sum();
+        let report = |((goal, start), (_, end)): ((&Goal, &[f64]), (&Goal, &[f64]))| GoalReport {
+            goal: *goal,
+            values: [goal.value(start), goal.value(end)],
+            contributions: [square(goal.residuals(start)), square(goal.residuals(end))],
         };
-        self.optimiser.goals.iter().map(report).collect()
+        self.goals_with(start).zip(self.goals_with(end)).map(report).collect()
     }
 
-    /// The number of residuals of a goal.
-    fn count_of(&self, goal: &Goal) -> usize {
-        goal.count(self.pupil.points.len(), self.optimiser.lens.lines.len())
+    /// The vignetted fields of the goals, and the fraction of the pupil that each one loses.
+    fn vignetted(&self, variant: &Variant) -> Result<Vec<(usize, f64)>, DesignError> {
+        let mut fields: Vec<usize> = self.optimiser.goals.iter().filter_map(Goal::pupil_field).collect();
+        fields.sort_unstable();
+        fields.dedup();
+        let clipped = Variant { vignettes: true, ..variant.clone() };
+        let nm = variant.lens.primary_nm();
+        let power = |variant: &Variant, field: usize| {
+            let rays = variant.arrivals(field, nm, &self.pupil)?;
+            Ok::<f64, DesignError>(rays.iter().map(|ray| ray.power).sum())
+        };
+        let mut found = Vec::new();
+        for field in fields {
+            let lost = 1.0 - power(&clipped, field)? / power(variant, field)?;
+            found.extend((lost > 0.0).then_some((field, lost)));
+        }
+        Ok(found)
     }
 
-    fn count(&self) -> usize {
-        let goals = self.optimiser.goals.iter();
-        goals.map(|goal| self.count_of(goal)).sum::<usize>().max(self.scales.len())
+    /// The number of values of a goal.
+    fn value_count_of(&self, goal: &Goal) -> usize {
+        goal.value_count(self.pupil.points.len(), self.optimiser.lens.lines.len())
     }
 }
 
@@ -300,7 +320,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Task<'_> {
     fn residuals(&self) -> Option<DVector<f64>> {
         // a step to where no light arrives, or to values out of range, is a bad step, not the end of the
         // search
-        let penalty = || DVector::from_element(self.count(), self.penalty);
+        let penalty = || DVector::from_element(self.residual_count, self.penalty);
         Some(
             self.values_at(&self.at).ok().flatten().map_or_else(penalty, |values| self.residuals_of(&values)),
         )
@@ -309,11 +329,14 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Task<'_> {
     fn jacobian(&self) -> Option<DMatrix<f64>> {
         // derivatives of the values, because the residuals have a kink at a bound
         let values = self.values_at(&self.at).ok().flatten()?;
-        let slopes: Vec<f64> = self.goals().zip(&values).map(|(goal, value)| goal.slope(*value)).collect();
-        let mut jacobian = DMatrix::zeros(self.count(), self.scales.len());
+        let mut jacobian = DMatrix::zeros(self.residual_count, self.scales.len());
         for parameter in 0..self.scales.len() {
-            for (row, (change, slope)) in self.changes(parameter)?.iter().zip(&slopes).enumerate() {
-                jacobian[(row, parameter)] = change * slope;
+            let changes = self.changes(parameter)?;
+            let goals = self.goals_with(&values).zip(self.goals_with(&changes));
+            let column =
+                goals.flat_map(|((goal, values), (_, changes))| goal.residual_changes(values, changes));
+            for (row, change) in column.enumerate() {
+                jacobian[(row, parameter)] = change;
             }
         }
         Some(jacobian)

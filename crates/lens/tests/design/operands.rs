@@ -2,7 +2,7 @@
 
 use crate::lenses::{D_NM, near};
 use rayweave_lens::design::{
-    Goal, Merit, MtfKind, MtfLines, Operand, Optimiser, Optimum, Spread, Tolerancing,
+    Goal, Merit, MtfKind, MtfLines, Operand, Optimiser, Optimum, SeidelTerm, Spread, Target, Tolerancing,
 };
 use rayweave_lens::prescription::{Behind, Prescription, Surface};
 
@@ -137,4 +137,98 @@ fn ranges_hold_on_both_sides() {
     for (wanted, expected) in [(9.0, 4.0), (0.5, 2.0), (3.3, 3.3)] {
         near(search(wanted).lens.surfaces[0].thickness, expected, 1e-4);
     }
+}
+
+/// The contribution of a goal of any kind is the square of its weight times the distance of its value from the target; for rays,
+/// the value is their RMS.
+#[test]
+fn contributions_follow_their_definition() {
+    let mut lens = crate::lenses::doublet();
+    lens.surfaces[0].semi_diameter = Some(16.0);
+    let lens = lens.wavelengths_nm(&[486.1327, D_NM, 656.2725], 1);
+    let operands = [
+        Operand::FocalLength,
+        Operand::BackFocalDistance,
+        Operand::Defocus,
+        Operand::Magnification,
+        Operand::Seidel(SeidelTerm::Coma),
+        Operand::Distortion { field: 1 },
+        Operand::Spot { field: 1, wavelength_nm: None },
+        Operand::Spot { field: 0, wavelength_nm: Some(D_NM) },
+        Operand::Wavefront { field: 1, wavelength_nm: D_NM },
+        Operand::WavefrontAboutChiefRay { field: 1, wavelength_nm: D_NM },
+        Operand::Mtf { kind: MtfKind::Geometric, field: 0, frequency: 20.0, lines: MtfLines::Sagittal },
+        Operand::Clearance { field: 1 },
+        Operand::Value("thickness 3".parse().unwrap()),
+        Operand::TotalTrack,
+        Operand::EdgeThickness { surface: 1, height: None },
+    ];
+    for operand in operands {
+        let v = value(&lens, operand, 6);
+        let d = 0.3 * v.abs() + 0.1;
+        let targets = [
+            (Target::Equal(0.0), v),
+            (Target::Equal(v - d), d),
+            (Target::Equal(v + d), -d),
+            (Target::AtMost(v + d), 0.0),
+            (Target::AtMost(v - d), d),
+            (Target::AtLeast(v - d), 0.0),
+            (Target::AtLeast(v + d), -d),
+            (Target::Between(v - d, v + d), 0.0),
+            (Target::Between(v + d, v + 2.0 * d), -d),
+            (Target::Between(v - 2.0 * d, v - d), d),
+        ];
+        for (target, off) in targets {
+            let goal = Goal { operand, target, weight: 3.0 };
+            let search = Optimiser::new(&lens).vary("thickness 3".parse().unwrap()).goal(goal);
+            let found = search.evaluation_limit(1).run().unwrap();
+            let expected = 9.0 * off * off;
+            let own = found.goals[0];
+            assert_eq!(own.values[0], v, "{operand:?} {target:?}");
+            near(own.contributions[0], expected, 1e-12 * (1.0 + v.abs()) * (1.0 + expected));
+            near(found.before, expected.sqrt(), 1e-9 * (1.0 + expected.sqrt()));
+            assert!(found.after <= found.before, "{operand:?} {target:?}: {found:?}");
+        }
+    }
+}
+
+/// A paraboloid out of focus by z has the RMS radius z D / (2 f sqrt(2)), to second order in D / f: a bound or a target of that
+/// radius gives the focus.
+#[test]
+fn targets_of_a_spot_are_radii() {
+    let (diameter, start) = (2.0, 3.0);
+    let lens = paraboloid(diameter, F + start);
+    let spot = Operand::Spot { field: 0, wavelength_nm: Some(D_NM) };
+    let radius = |z: f64| z.abs() * diameter / (2.0 * F * 2.0_f64.sqrt());
+    let wanted = radius(1.0);
+    for goal in [
+        Goal::equal(spot, wanted),
+        Goal::at_most(spot, wanted),
+        Goal::between(spot, 0.5 * wanted, wanted),
+        Goal::equal(spot, 0.0),
+    ] {
+        let found = Optimiser::new(&lens).vary("thickness 1".parse().unwrap()).goal(goal).run().unwrap();
+        let z = -found.lens.surfaces[0].thickness - F;
+        let expected = if goal.target == Target::Equal(0.0) { 0.0 } else { 1.0 };
+        near(z, expected, 2e-3);
+        near(found.after, 0.0, 1e-6);
+        near(found.goals[0].values[1], radius(z), 1e-3 * wanted);
+    }
+}
+
+/// A ring of the semi-diameter 4 in front of a pupil of 5 cuts off 1 - (4 / 5)^2 of it, which the goals ignore.
+#[test]
+fn vignetted_fields_are_reported() {
+    let surfaces =
+        vec![Surface::dummy(20.0).semi_diameter(4.0), Surface::new(-200.0, -100.0, Behind::Mirror)];
+    let mut lens = Prescription::new(surfaces).entrance_pupil_diameter(10.0);
+    lens.stop = 2;
+    let vary = || Optimiser::new(&lens).vary("thickness 2".parse().unwrap()).rings(40);
+    let spot = Goal::equal(Operand::Spot { field: 0, wavelength_nm: None }, 0.0);
+    let found = vary().goal(spot).run().unwrap().vignetted;
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].0, 0);
+    near(found[0].1, 1.0 - 0.64, 0.02);
+    let clear = Goal::equal(Operand::TotalTrack, -70.0);
+    assert_eq!(vary().goal(clear).run().unwrap().vignetted, []);
 }
