@@ -12,7 +12,7 @@ use rayweave_model::memory::Shortage;
 pub enum DesignError {
     /// Text that names no parameter.
     #[error(
-        "`{0}` is not a parameter: radius, curvature, thickness, conic, index and r^1 to r^16 take the number of a surface, such as `radius 2`; decentre x, decentre y, tilt x and tilt y take one surface or a range, such as `tilt x 3-4`."
+        "`{0}` is not a parameter: radius, curvature, thickness, conic, index and r^1 to r^16 take the number of a surface, such as `radius 2`; decentre x, decentre y, tilt x and tilt y take one surface or a range, such as `tilt x 3-4`.{question}", question = hint(.0)
     )]
     NoParameter(String),
     /// A parameter that the prescription does not have.
@@ -64,5 +64,13 @@ impl Classified for DesignError {
             DesignError::Analysis(error) => error.kind(),
             _ => ErrorKind::Optics,
         }
+    }
+}
+
+/// A question about the American spelling of a parameter, after a space; else empty.
+fn hint(name: &str) -> String {
+    match name.contains("decenter") {
+        true => format!(" Did you mean `{}`?", name.replace("decenter", "decentre")),
+        false => String::new(),
     }
 }

@@ -26,13 +26,25 @@ pub enum Spread {
     Uniform(f64),
     /// A normal distribution of this standard deviation.
     Normal(f64),
+    /// Uniform from the first value to the second.
+    Between(f64, f64),
 }
 
 impl Spread {
-    /// The half width, or the standard deviation.
+    /// The lower and the upper end; for a normal distribution the standard deviation to both sides.
+    pub fn ends(self) -> [f64; 2] {
+        match self {
+            Spread::Uniform(scale) | Spread::Normal(scale) => [-scale, scale],
+            Spread::Between(low, high) => [low, high],
+        }
+    }
+
+    /// The greatest distance of an end from 0: the half width, or the standard deviation.
     pub fn scale(self) -> f64 {
-        let (Spread::Uniform(scale) | Spread::Normal(scale)) = self;
-        scale
+        match self {
+            Spread::Uniform(scale) | Spread::Normal(scale) => scale,
+            Spread::Between(low, high) => low.abs().max(high.abs()),
+        }
     }
 
     /// The error of a trial, from two numbers uniform in [0, 1); the normal distribution by the transform of
@@ -40,6 +52,7 @@ impl Spread {
     fn deviation(self, [a, b]: [f64; 2]) -> f64 {
         match self {
             Spread::Uniform(scale) => scale * (2.0 * a - 1.0),
+            Spread::Between(low, high) => low + (high - low) * a,
             Spread::Normal(scale) => {
                 scale * (-2.0 * libm::log1p(-a)).sqrt() * libm::cos(std::f64::consts::TAU * b)
             }
@@ -171,6 +184,13 @@ impl<'a> Tolerancing<'a> {
     fn evaluator(&self) -> Result<(Prescription, MeritEvaluator), DesignError> {
         for (parameter, spread) in &self.errors {
             parameter.value(self.lens)?;
+            if let Spread::Between(low, high) = *spread
+                && !(low <= high && low.is_finite() && high.is_finite())
+            {
+                let (what, range) =
+                    (format!("the upper end of the spread of {parameter}"), "at least the lower end");
+                return Err(DesignError::BadNumber { what, value: high, range });
+            }
             let scale = spread.scale();
             if !(scale >= 0.0 && scale.is_finite()) {
                 let (what, range) = (format!("the spread of {parameter}"), "at least 0 and finite");
@@ -246,9 +266,9 @@ impl<'a> Tolerancing<'a> {
             evaluator.evaluate(&lens, &[(parameter, change)]).map_or(f64::NAN, |value| value.merit)
         };
         let of = |&(parameter, spread): &(DesignParameter, Spread)| {
-            let scale = spread.scale();
-            let (minus, plus) = (at(parameter, -scale), at(parameter, scale));
-            Sensitivity { parameter, minus, plus, slope: (plus - minus) / (2.0 * scale) }
+            let [low, high] = spread.ends();
+            let (minus, plus) = (at(parameter, low), at(parameter, high));
+            Sensitivity { parameter, minus, plus, slope: (plus - minus) / (high - low) }
         };
         Ok(self.errors.iter().map(of).collect())
     }
@@ -259,9 +279,9 @@ impl<'a> Tolerancing<'a> {
 pub struct Sensitivity {
     /// The parameter.
     pub parameter: DesignParameter,
-    /// The merit with the parameter reduced by its spread, which is the greatest or the standard deviation.
+    /// The merit with the parameter at the lower end of its spread, or one standard deviation lower.
     pub minus: f64,
-    /// The merit with the parameter increased by its spread.
+    /// The merit with the parameter at the upper end of its spread, or one standard deviation higher.
     pub plus: f64,
     /// The change of the merit per change of the parameter, between `minus` and `plus`.
     pub slope: f64,

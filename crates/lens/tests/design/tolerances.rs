@@ -1,7 +1,7 @@
 //! Tolerancing, compared with closed forms.
 
 use crate::lenses::near;
-use rayweave_lens::design::{Merit, Spread, Tolerancing, Trials};
+use rayweave_lens::design::{DesignParameter, Merit, Spread, Tolerancing, Trials};
 use rayweave_lens::prescription::{Behind, Prescription, Surface};
 use rayweave_optics::component::{Figure, lensmaker};
 
@@ -48,6 +48,39 @@ fn sensitivities_of_the_focal_length_are_those_of_the_lensmaker() {
     }
 }
 
+/// The focal length of a mirror is half its radius: the merit has the distribution of the error.
+#[test]
+fn one_sided_spreads_have_their_ends_and_their_mean() {
+    let mirror =
+        Prescription::new(vec![Surface::new(-200.0, -100.0, Behind::Mirror)]).entrance_pupil_diameter(10.0);
+    let (low, high) = (-0.1, 0.5);
+    let search = |spread: Spread| {
+        Tolerancing::new(&mirror, Merit::FocalLength).add("radius 1".parse().unwrap(), spread)
+    };
+    let trials = search(Spread::Between(low, high)).trials(2000).unwrap();
+    let errors = &trials.deviations[0];
+    assert!(errors.iter().all(|error| (low..=high).contains(error)));
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    near(mean, 0.2, 4.0 * 0.6 / (12.0 * 2000.0_f64).sqrt());
+    let ends = search(Spread::Between(low, high)).sensitivities().unwrap()[0];
+    near((ends.minus - trials.nominal).abs(), 0.05, 1e-12);
+    near((ends.plus - trials.nominal).abs(), 0.25, 1e-12);
+    near(ends.slope.abs(), 0.5, 1e-12);
+    for wrong in
+        [Spread::Between(0.2, 0.1), Spread::Between(f64::NAN, 0.1), Spread::Between(0.0, f64::INFINITY)]
+    {
+        assert!(search(wrong).trials(1).is_err(), "{wrong:?}");
+    }
+}
+
+#[test]
+fn american_spellings_have_a_hint() {
+    let error = "decenter y 1-2".parse::<DesignParameter>().unwrap_err().to_string();
+    assert!(error.ends_with(" Did you mean `decentre y 1-2`?"), "{error}");
+    let other = "decent 1".parse::<DesignParameter>().unwrap_err().to_string();
+    assert!(!other.contains("Did you mean"), "{other}");
+}
+
 #[test]
 fn variances_of_small_errors_add_up() {
     let lens = singlet();
@@ -55,6 +88,7 @@ fn variances_of_small_errors_add_up() {
     let variance = |spread: Spread| match spread {
         Spread::Uniform(width) => width * width / 3.0,
         Spread::Normal(sigma) => sigma * sigma,
+        Spread::Between(low, high) => (high - low) * (high - low) / 12.0,
     };
     let tolerancing =
         NAMES.iter().zip(spreads).fold(Tolerancing::new(&lens, Merit::FocalLength), |all, (name, spread)| {
