@@ -122,6 +122,9 @@ pub struct Surface {
     pub behind: Behind,
     /// The clear semi-diameter. By default the rays of all fields determine it, plus 2 %.
     pub semi_diameter: Option<f64>,
+    /// The mechanical semi-diameter, to the edge of the lens: a lens is as wide as the greatest of the clear and mechanical
+    /// semi-diameters of its two surfaces, and absorbs the light beyond the clear ones. Mirrors end at the clear semi-diameter.
+    pub mechanical_semi_diameter: Option<f64>,
     /// The semi-diameter of a central hole, for mirrors only; 0 for none.
     pub hole: f64,
 }
@@ -130,8 +133,18 @@ impl Surface {
     /// A sphere, or a plane for an infinite radius.
     pub fn new(radius: f64, thickness: f64, behind: Behind) -> Surface {
         let (even, odd) = ([0.0; 8], [0.0; 8]);
-        let figure = Figure::Round;
-        Surface { radius, conic: 0.0, even, odd, figure, thickness, behind, semi_diameter: None, hole: 0.0 }
+        Surface {
+            radius,
+            conic: 0.0,
+            even,
+            odd,
+            figure: Figure::Round,
+            thickness,
+            behind,
+            semi_diameter: None,
+            mechanical_semi_diameter: None,
+            hole: 0.0,
+        }
     }
 
     /// A plane between equal media, for example for a stop.
@@ -162,6 +175,11 @@ impl Surface {
     /// Sets the clear semi-diameter.
     pub fn semi_diameter(self, semi_diameter: f64) -> Surface {
         Surface { semi_diameter: Some(semi_diameter), ..self }
+    }
+
+    /// Sets the mechanical semi-diameter.
+    pub fn mechanical_semi_diameter(self, semi_diameter: f64) -> Surface {
+        Surface { mechanical_semi_diameter: Some(semi_diameter), ..self }
     }
 
     /// Sets the semi-diameter of a central hole.

@@ -15,6 +15,9 @@ use rayweave_optics::{Action, Assembly, Element, Finish, Medium};
 /// The name of the image element.
 pub const IMAGE: &str = "image";
 
+/// The start of the names of faces beyond the clear semi-diameters of a lens.
+const RIM: &str = "rim";
+
 /// Ratio of computed semi-diameters to the extent of the rays.
 const SPARE: f64 = 1.02;
 
@@ -59,7 +62,9 @@ impl Prescription {
     /// its rays.
     ///
     /// A lens is as wide as the wider one of its two surfaces. If the other surface ends earlier, or if the
-    /// two would intersect outside its semi-diameter, a flat rim joins it to the edge. Coincident faces of
+    /// two would intersect outside its semi-diameter, a flat rim joins it to the edge. Beyond, up to the greater of their
+    /// [mechanical semi-diameters](Surface::mechanical_semi_diameter), the surfaces absorb the light; where they do not reach
+    /// that far, they are flat. Coincident faces of
     /// neighbours, as in cemented lenses, become one surface of the compiled system, so light passes from
     /// glass to glass in one event. Mirrors get a substrate. A lens or mirror that light passes twice is one
     /// part.
@@ -320,22 +325,44 @@ impl Builder<'_> {
         let name = format!("lens {}-{}", k + 1, k + 2);
         let wrong = |problem| prescription_error(problem, k);
         let (solid, has_flat) = body(&low, &high).map_err(wrong)?;
-        self.extents.add_lens(k, has_flat);
+        let (reach, edge) = (low.reach.max(high.reach), self.edge(k)?);
+        let ends = [&low, &high].map(|side| if has_flat { side.reach } else { reach });
+        self.extents.add_lens([(low.k, ends[0]), (high.k, ends[1])], reach.max(edge));
+        let (solid, ends) = match edge > reach {
+            true => with_rim(solid, [&low, &high], (ends, edge)).map_err(wrong)?,
+            false => (solid, ends),
+        };
         let mut element = Element::transparent(&name, self.at_pose(k, solid), &self.resolved.media[k + 1])
             .face("edge", Finish::Absorber);
         if has_flat {
             let flat = if low.reach > high.reach { "back" } else { "front" };
             element = element.face(&format!("{name}.flat.{flat}.plane"), Finish::Absorber);
         }
+        if edge > reach {
+            element = element.face(RIM, Finish::Absorber);
+        }
         let count = self.parts.len();
         let number = self.put(Part { k, low: low.vertex, high: high.vertex, element });
         if self.parts.len() > count {
-            let semi_diameter = low.reach.max(high.reach);
-            let ends = [&low, &high].map(|side| if has_flat { side.reach } else { semi_diameter });
             let (surfaces, thickness) = ([low.k, high.k], high.vertex - low.vertex);
-            self.lenses.push(LensOutline { name, surfaces, ends, semi_diameter, thickness });
+            self.lenses.push(LensOutline { name, surfaces, ends, semi_diameter: reach.max(edge), thickness });
         }
         Ok(number)
+    }
+
+    /// The greatest stated mechanical semi-diameter of the lens behind surface `k`; 0 without one.
+    fn edge(&self, k: usize) -> Result<f64, PrescriptionError> {
+        let mut edge = 0.0_f64;
+        for number in [k, k + 1] {
+            let stated = self.lens.surfaces.get(number).and_then(|surface| surface.mechanical_semi_diameter);
+            if let Some(stated) = stated {
+                edge = edge.max(positive(
+                    format!("the mechanical semi-diameter of surface {}", number + 1),
+                    stated,
+                )?);
+            }
+        }
+        Ok(edge)
     }
 
     fn mirror(&mut self, k: usize, surface: &Surface) -> Result<usize, PrescriptionError> {
@@ -407,8 +434,6 @@ impl Builder<'_> {
 fn body(low: &Placed, high: &Placed) -> Result<(Solid, bool), ComponentError> {
     let reach = low.reach.max(high.reach);
     let whole = between(low, high, reach);
-    let is_whole =
-        !matches!(whole, Err(ComponentError::ApertureTooLarge { .. } | ComponentError::SurfacesCross { .. }));
     let narrow = low.reach.min(high.reach);
     let flat = if low.reach > high.reach {
         (Some(low.clone()), high.rim())
@@ -416,15 +441,63 @@ fn body(low: &Placed, high: &Placed) -> Result<(Solid, bool), ComponentError> {
         (low.rim(), Some(high.clone()))
     };
     match flat {
-        (Some(front), Some(back)) if !is_whole && narrow < reach => {
+        (Some(front), Some(back)) if ends_early(&whole) && narrow < reach => {
             let core = between(low, high, narrow)?;
-            let ring = between(&front, &back, reach)?;
-            let length = 4.0 * (reach + (back.vertex - front.vertex).abs());
-            let bore = rod(2.0 * narrow, length)?.translate(Vec3::Z * front.vertex);
-            Ok((core | with_prefix(&(ring - bore.named("bore")), "flat"), true))
+            let ring = between(&front, &back, reach)? - bore(&front, &back, narrow, reach)?;
+            Ok((core | with_prefix(&ring, "flat"), true))
         }
         _ => Ok((whole?, false)),
     }
+}
+
+/// True if two surfaces do not reach as far as their solid.
+fn ends_early(made: &Result<Solid, ComponentError>) -> bool {
+    matches!(made, Err(ComponentError::ApertureTooLarge { .. } | ComponentError::SurfacesCross { .. }))
+}
+
+/// A lens with a ring around it up to the semi-diameter `edge`, and the semi-diameters at which its surfaces then end. `ends` are
+/// those of the lens. On each side the ring continues the surface or, where that does not reach the edge, is flat.
+fn with_rim(
+    lens: Solid,
+    [low, high]: [&Placed; 2],
+    (ends, edge): ([f64; 2], f64),
+) -> Result<(Solid, [f64; 2]), ComponentError> {
+    let reach = ends[0].max(ends[1]);
+    let planes =
+        [(low, ends[0]), (high, ends[1])].map(|(side, reach)| Placed { reach, ..side.clone() }.rim());
+    let depth =
+        |k: usize, side: &Placed| planes[k].as_ref().map_or(0.0, |rim| (rim.vertex - side.vertex).abs());
+    // the side that is flat already, or the deeper one, first
+    let is_low_first = match ends[0] == ends[1] {
+        true => depth(0, low) >= depth(1, high),
+        false => ends[0] < ends[1],
+    };
+    let one = [is_low_first, !is_low_first];
+    let ways = match ends[0] == ends[1] {
+        true => vec![[false; 2], one, [true; 2]],
+        false => vec![one, [true; 2]],
+    };
+    let mut problem = None;
+    for is_flat in ways {
+        let side = |k: usize, own: &Placed| if is_flat[k] { planes[k].clone() } else { Some(own.clone()) };
+        let (Some(front), Some(back)) = (side(0, low), side(1, high)) else { continue };
+        let made = between(&front, &back, edge);
+        if ends_early(&made) {
+            problem = Some(made);
+            continue;
+        }
+        let ring = made? - bore(&front, &back, reach, edge)?;
+        let ends = [0, 1].map(|k| if is_flat[k] { ends[k] } else { edge });
+        return Ok((lens | with_prefix(&ring, RIM), ends));
+    }
+    // both planes are apart where the lens ends: only a surface without a plane comes here
+    problem.unwrap_or(Ok(lens)).map(|lens| (lens, ends))
+}
+
+/// The core that a ring around a lens is without.
+fn bore(front: &Placed, back: &Placed, radius: f64, edge: f64) -> Result<Solid, ComponentError> {
+    let length = 4.0 * (edge + (back.vertex - front.vertex).abs());
+    Ok(rod(2.0 * radius, length)?.translate(Vec3::Z * front.vertex).named("bore"))
 }
 
 fn between(low: &Placed, high: &Placed, reach: f64) -> Result<Solid, ComponentError> {

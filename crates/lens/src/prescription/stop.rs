@@ -71,14 +71,11 @@ impl Extents {
         Extents { clear: clear.to_vec(), face: clear.to_vec(), part: clear.to_vec() }
     }
 
-    /// Adds a lens between the surfaces `k` and `k + 1`, with or without a flat rim at the narrower one.
-    pub fn add_lens(&mut self, k: usize, has_flat: bool) {
-        let reach = self.clear[k].max(self.clear[k + 1]);
-        for k in [k, k + 1] {
-            self.part[k] = self.part[k].max(reach);
-            if !has_flat {
-                self.face[k] = self.face[k].max(reach);
-            }
+    /// Adds a lens: the number of each of its surfaces with the semi-diameter at which it ends, and the semi-diameter of the lens.
+    pub fn add_lens(&mut self, surfaces: [(usize, f64); 2], semi_diameter: f64) {
+        for (k, end) in surfaces {
+            self.part[k] = self.part[k].max(semi_diameter);
+            self.face[k] = self.face[k].max(end);
         }
     }
 }

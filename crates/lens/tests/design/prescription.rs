@@ -2,7 +2,12 @@
 
 use crate::lenses::{D_NM, at_image, cassegrain, disk, doublet, index, near, trace, triplet};
 use rayweave_lens::prescription::{Behind, Prescription, Surface, SystemAperture};
-use rayweave_optics::Event;
+use rayweave_math::Vec3;
+use rayweave_model::{Evaluator, Program, Query};
+use rayweave_optics::{Body, Event};
+use rayweave_shape::Ray;
+use rayweave_trace::Packets;
+use std::sync::Arc;
 
 /// The same rays by sequential tracing and through the solids.
 #[test]
@@ -77,6 +82,86 @@ fn lenses_have_flat_rims_where_one_surface_is_narrow() {
     let names: Vec<_> = ends.map(|row| system.surface_name(row.surface as usize).to_owned()).collect();
     assert_eq!(names.len(), outer.len());
     assert!(names.iter().all(|name| name == "lens 1-2.flat.back.plane"), "{names:?}");
+}
+
+/// The thickness along the axis of the solid of the first lens at a height.
+fn solid_thickness(lens: &Prescription, height: f64) -> f64 {
+    let layout = lens.assembly().unwrap();
+    let Body::Solid { solid, .. } = layout.assembly.elements()[0].body() else { panic!("no solid") };
+    let ray = Ray::new(Vec3::new(0.6 * height, 0.8 * height, -50.0), Vec3::Z);
+    let program = Arc::new(Program::compile(solid).unwrap());
+    let crossings = Packets::new(program).one(ray, &Query::default()).unwrap().crossings;
+    crossings.chunks(2).map(|pair| pair[1].t - pair[0].t).sum()
+}
+
+#[test]
+fn mechanical_semi_diameters_widen_the_solids() {
+    let biconvex = |thickness: f64, edges: [Option<f64>; 2]| {
+        let mut lens = Prescription::new(vec![
+            Surface::new(50.0, thickness, index(1.5)).semi_diameter(8.0),
+            Surface::new(-50.0, 46.0, Behind::Air).semi_diameter(7.0),
+        ])
+        .entrance_pupil_diameter(10.0);
+        lens.surfaces.iter_mut().zip(edges).for_each(|(own, edge)| own.mechanical_semi_diameter = edge);
+        lens
+    };
+    let sag = |height: f64| 50.0 - (2500.0 - height * height).sqrt();
+    let outline = |lens: &Prescription| lens.assembly().unwrap().lenses[0].clone();
+    // both surfaces reach the edge; one that is narrower than the light has no effect
+    let wide = outline(&biconvex(6.0, [None, Some(10.0)]));
+    assert_eq!((wide.ends, wide.semi_diameter), ([10.0; 2], 10.0));
+    let idle = outline(&biconvex(6.0, [Some(3.0), None]));
+    assert_eq!((idle.ends, idle.semi_diameter), ([8.0; 2], 8.0));
+    assert_eq!(biconvex(6.0, [None, Some(10.0)]).assembly().unwrap().semi_diameters[..2], [8.0, 7.0]);
+    // the surfaces would cross before the edge: one side is flat beyond the clear semi-diameters, or both are
+    let thin = biconvex(3.0, [Some(13.0), Some(12.0)]);
+    let found = outline(&thin);
+    assert_eq!((found.ends, found.semi_diameter), ([8.0, 13.0], 13.0));
+    let thinner = biconvex(1.5, [Some(13.0), None]);
+    let both = outline(&thinner);
+    assert_eq!((both.ends, both.semi_diameter), ([8.0; 2], 13.0));
+    let expected = [
+        (&thin, 5.0, 3.0 - 2.0 * sag(5.0)),
+        (&thin, 7.5, 3.0 - 2.0 * sag(7.5)),
+        (&thin, 12.5, 3.0 - sag(8.0) - sag(12.5)),
+        (&thinner, 5.0, 1.5 - 2.0 * sag(5.0)),
+        (&thinner, 7.5, 1.5 - 2.0 * sag(7.5)),
+        (&thinner, 12.5, 1.5 - 2.0 * sag(8.0)),
+    ];
+    for (lens, height, thickness) in expected {
+        near(solid_thickness(lens, height), thickness, 1e-12);
+    }
+    let refused = biconvex(6.0, [Some(-1.0), None]).assembly().unwrap_err().to_string();
+    assert!(refused.starts_with("the mechanical semi-diameter of surface 1 is -1: "), "{refused}");
+}
+
+/// Light beyond the clear semi-diameters is absorbed, on curved and on flat rims; light within is that of the lens without a rim.
+#[test]
+fn mechanical_rims_absorb() {
+    for (thickness, face) in [(9.0, "lens 1-2.rim.front.side"), (1.5, "lens 1-2.rim.front.plane")] {
+        let mut lens = Prescription::new(vec![
+            Surface::new(50.0, thickness, index(1.5)).semi_diameter(8.0),
+            Surface::new(-50.0, 46.0, Behind::Air).semi_diameter(8.0),
+        ])
+        .entrance_pupil_diameter(13.0);
+        let plain = at_image(&lens.assembly().unwrap(), &lens.beam(0, D_NM, &disk(200, 1.0)).unwrap());
+        assert_eq!(plain.len(), 200);
+        lens.surfaces[0].mechanical_semi_diameter = Some(13.0);
+        let layout = lens.assembly().unwrap();
+        let rows = at_image(&layout, &lens.beam(0, D_NM, &disk(200, 1.0)).unwrap());
+        assert_eq!(rows.len(), plain.len());
+        for (one, other) in rows.iter().zip(&plain) {
+            near((one.end - other.end).length(), 0.0, 1e-12);
+        }
+        let wide = Prescription { aperture: SystemAperture::EntrancePupilDiameter(25.0), ..lens };
+        let outer: Vec<_> = disk(500, 1.0).into_iter().filter(|p| p[0].hypot(p[1]) > 0.66).collect();
+        let found = trace(&layout, &wide.beam(0, D_NM, &outer).unwrap());
+        let system = layout.assembly.compile().unwrap();
+        let ends = found.segments.iter().filter(|row| row.event == Event::Absorbed);
+        let names: Vec<_> = ends.map(|row| system.surface_name(row.surface as usize).to_owned()).collect();
+        assert_eq!(names.len(), outer.len());
+        assert!(names.iter().all(|name| name == face), "{names:?}");
+    }
 }
 
 #[test]

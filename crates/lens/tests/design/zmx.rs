@@ -6,6 +6,7 @@ use rayweave_lens::prescription::{
     Behind, FieldKind, ImageSurface, Prescription, Surface, SystemAperture, WeightedWavelength, read_zmx,
     write_zmx,
 };
+use rayweave_optics::glass::FileProblem;
 
 /// A file as programs write it: indented, with many irrelevant keywords.
 const SINGLET: &str = "VERS 160720 18 100027\r\nMODE SEQ\r\nNAME a singlet\r\nNOTE 0 from 0.5 to 2\r\n\
@@ -295,6 +296,42 @@ fn apertures_have_an_inner_and_an_outer_radius() {
         found.contains("inner radius 3.81") && found.contains("only mirrors have a central hole"),
         "{found}"
     );
+}
+
+#[test]
+fn mechanical_semi_diameters_are_read_and_written() {
+    let fixed =
+        SINGLET.replace("  DIAM 2.5E-1 1 0 0 1", "  MEMA 3.0E-1 1 0 0 1 \"\"\r\n  DIAM 2.5E-1 1 0 0 1");
+    let read = read_zmx(fixed.as_bytes()).unwrap();
+    assert_eq!(read.prescription.surfaces[0].mechanical_semi_diameter, Some(0.3));
+    assert_eq!(read.notes, read_zmx(SINGLET.as_bytes()).unwrap().notes.iter().map(later).collect::<Vec<_>>());
+    assert_eq!(read.prescription.assembly().unwrap().lenses[0].semi_diameter, 0.3);
+    let back = read_zmx(write_zmx(&read.prescription).unwrap().as_bytes()).unwrap();
+    assert_eq!(back.prescription, read.prescription);
+    // a computed one is not stated
+    let computed = fixed.replace("MEMA 3.0E-1 1", "MEMA 3.0E-1 0");
+    assert_eq!(read_zmx(computed.as_bytes()).unwrap().prescription, singlet());
+    // mirrors have none
+    let mirror = fixed.replace("GLAS N-BK7 0 0 1.5168 64.17", "GLAS MIRROR 0 0 1.5 40");
+    let read = read_zmx(mirror.as_bytes()).unwrap();
+    assert_eq!(read.prescription.surfaces[0].mechanical_semi_diameter, None);
+    let note = "line 32: the mechanical semi-diameter 0.3 of the mirror, MEMA, is ignored: a mirror ends at its clear semi-diameter";
+    assert!(read.notes.iter().any(|found| found.to_string() == note), "{:?}", read.notes);
+}
+
+/// A note one line later.
+fn later(note: &FileProblem) -> FileProblem {
+    let text = note.text.replace("line 45", "line 46");
+    FileProblem { line: note.line + 1, text }
+}
+
+#[test]
+fn wavelengths_in_nanometres_are_noted() {
+    let file = SINGLET.replace("WAVM 2 5.875618E-1 2", "WAVM 2 587.56 2");
+    let read = read_zmx(file.as_bytes()).unwrap();
+    assert_eq!(read.prescription.lines[1].wavelength_nm, 587_560.0);
+    let note = "line 13: the wavelength 587.56 is one in micrometres, as in all Zemax files: 587.56 nm would be 0.58756";
+    assert_eq!(read.notes[0].to_string(), note);
 }
 
 #[test]

@@ -81,12 +81,14 @@ pub fn read_zmx(bytes: &[u8]) -> Result<Read, ZmxError> {
     reader.finish()
 }
 
-/// Keywords without any effect on the light: versions, drawings, margins of computed semi-diameters,
-/// mechanical semi-diameters, settings of other analyses.
-const SILENT: [&str; 19] = [
+/// Keywords without any effect on the light: versions, drawings, margins of computed semi-diameters, settings of other analyses.
+const SILENT: [&str; 18] = [
     "VERS", "PFIL", "LANG", "SDMA", "OMMA", "PICB", "GLRS", "GSTD", "NSCD", "COFN", "COMM", "HIDE", "MIRR",
-    "SLAB", "POPS", "FIMP", "MEMA", "HYPR", "MOFF",
+    "SLAB", "POPS", "FIMP", "HYPR", "MOFF",
 ];
+
+/// The wavelength in micrometres above which a note suspects nanometres: no lens is designed for longer ones.
+const LONGEST_UM: f64 = 100.0;
 
 /// The effect of ignoring a keyword that often holds a neutral setting; empty if the setting is neutral. `None` for other
 /// keywords.
@@ -145,6 +147,9 @@ struct Record {
     semi_diameter: Option<f64>,
     /// The `DIAM` value, fixed or computed.
     diam: f64,
+    mechanical_semi_diameter: Option<f64>,
+    /// The line of the mechanical semi-diameter.
+    mechanical_line: usize,
     hole: f64,
     /// The line of the hole.
     hole_line: usize,
@@ -261,10 +266,15 @@ impl Reader {
             "XFLN" | "XFLD" => self.fields[0] = numbers(words)?,
             "YFLN" | "YFLD" => self.fields[1] = numbers(words)?,
             "WAVM" => {
-                self.wavelengths.push(number(words, 1)?);
+                let wavelength = number(words, 1)?;
+                self.note_wavelengths(&[wavelength]);
+                self.wavelengths.push(wavelength);
                 self.weights.push(number(words, 2).unwrap_or(1.0));
             }
-            "WAVL" | "WAVN" => self.wavelengths = numbers(words)?,
+            "WAVL" | "WAVN" => {
+                self.wavelengths = numbers(words)?;
+                self.note_wavelengths(&self.wavelengths.clone());
+            }
             "WWGT" | "WWGN" => self.weights = numbers(words)?,
             "PWAV" => self.primary = whole(words, 0)?.max(1) - 1,
             _ => return Ok(false),
@@ -312,6 +322,12 @@ impl Reader {
                 surface.diam = value;
                 surface.semi_diameter = (is_fixed && value > 0.0).then_some(value).or(surface.semi_diameter);
             }
+            // a computed one is the greatest clear one of the lens
+            "MEMA" if words.get(1).is_some_and(|flag| *flag != "0") => {
+                surface.mechanical_semi_diameter = Some(number(words, 0)?).filter(|value| *value > 0.0);
+                surface.mechanical_line = self.line;
+            }
+            "MEMA" => {}
             "CLAP" => {
                 let (inner, outer) = (number(words, 0)?, outer_radius(words, 1)?);
                 if inner < 0.0 || outer.is_some_and(|outer| outer > 0.0 && outer <= inner) {
@@ -334,6 +350,16 @@ impl Reader {
             _ => return Ok(false),
         }
         Ok(true)
+    }
+
+    /// Notes a wavelength that may be stated in nanometres.
+    fn note_wavelengths(&mut self, micrometres: &[f64]) {
+        if let Some(wavelength) = micrometres.iter().find(|wavelength| **wavelength > LONGEST_UM) {
+            self.note(format!(
+                "the wavelength {wavelength} is one in micrometres, as in all Zemax files: {wavelength} nm would be {}",
+                decimal(wavelength / 1e3)
+            ));
+        }
     }
 
     fn note(&mut self, text: String) {
@@ -388,6 +414,7 @@ impl Reader {
             (true, Some(stop), Some(aperture)) => {
                 self.note_ends(&surfaces);
                 self.note_holes();
+                self.note_mirrors();
                 self.ignored = self.notes();
                 let Read { prescription, notes } = self.prescription(surfaces, (stop, aperture), lines);
                 Ok(Read { prescription: Prescription { breaks, ..prescription }, notes })
@@ -495,6 +522,18 @@ impl Reader {
         }
     }
 
+    /// Notes that a mirror has no rim.
+    fn note_mirrors(&mut self) {
+        for record in &self.surfaces {
+            if let (Some(radius), Some(Behind::Mirror)) = (record.mechanical_semi_diameter, &record.behind) {
+                let text = format!(
+                    "the mechanical semi-diameter {radius} of the mirror, MEMA, is ignored: a mirror ends at its clear semi-diameter"
+                );
+                self.ignored.push(FileProblem { line: record.mechanical_line, text });
+            }
+        }
+    }
+
     fn prescription(
         self,
         surfaces: Vec<Surface>,
@@ -539,6 +578,7 @@ impl Record {
         let radius = self.radius.unwrap_or(f64::INFINITY);
         let conic = Surface {
             semi_diameter: self.semi_diameter.filter(|_| !self.is_decentred),
+            mechanical_semi_diameter: self.mechanical_semi_diameter.filter(|_| behind != Behind::Mirror),
             ..Surface::new(radius, self.thickness, behind).conic(self.conic).hole(self.hole)
         };
         shaped(&self.kind, &self.parameters, conic)

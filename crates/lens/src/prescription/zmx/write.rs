@@ -90,6 +90,7 @@ fn surface_lines(surface: &Surface, glass: Option<String>) -> Result<Vec<String>
     lines.push(format!("  DISZ {}", surface.thickness));
     lines.extend(glass.map(|glass| format!("  GLAS {glass}")));
     lines.extend(surface.semi_diameter.map(|radius| format!("  DIAM {radius} 1 0 0 1 \"\"")));
+    lines.extend(surface.mechanical_semi_diameter.map(|radius| format!("  MEMA {radius} 1 0 0 1 \"\"")));
     if surface.hole > 0.0 {
         lines.push(format!("  CLAP {} {} 0", surface.hole, surface.semi_diameter.unwrap_or(0.0)));
     }
