@@ -271,12 +271,14 @@ impl Task<'_> {
     /// The goals with their values at the start and at the end.
     fn reports(&self, [start, end]: [&[f64]; 2]) -> Vec<GoalReport> {
         let square = |residuals: Vec<f64>| residuals.iter().map(|residual| residual * residual).sum();
-        let report = |((goal, start), (_, end)): ((&Goal, &[f64]), (&Goal, &[f64]))| GoalReport {
-            goal: *goal,
-            values: [goal.value(start), goal.value(end)],
-            contributions: [square(goal.residuals(start)), square(goal.residuals(end))],
-        };
-        self.goals_with(start).zip(self.goals_with(end)).map(report).collect()
+        let pairs = self.goals_with(start).zip(self.goals_with(end));
+        pairs
+            .map(|((goal, start), (_, end))| GoalReport {
+                goal: *goal,
+                values: [goal.value(start), goal.value(end)],
+                contributions: [square(goal.residuals(start)), square(goal.residuals(end))],
+            })
+            .collect()
     }
 
     /// The vignetted fields of the goals, and the fraction of the pupil that each one loses.
