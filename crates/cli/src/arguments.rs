@@ -1,9 +1,12 @@
 //! Arguments that several sub-commands share.
 
 use crate::failure::Failure;
+use crate::lens_input;
+use crate::lens_model::LensModel;
 use crate::outputs;
 use clap::Args;
-use rayweave::formats::{self, Format, Imported, LossKind, Options};
+use rayweave::formats::{self, Format, Imported, LossKind, Options, Report};
+use rayweave::lens::prescription::Prescription;
 use rayweave::scene::{Document, Scene, Unit};
 use rayweave::table::{ContentHash, Part};
 use rayweave::{Bounds, Vec3};
@@ -81,12 +84,7 @@ fn model_help() -> String {
         }
     });
     let formats = formats.collect::<Vec<_>>().join(", ");
-    format!("Model file: {formats}; - is standard input, in the format of --format")
-}
-
-/// The help of the model of a command that also reads lens files.
-pub fn lens_or_model_help() -> String {
-    format!("{}; or a Zemax lens file, .zmx", model_help())
+    format!("Model file: {formats}, .zmx (Zemax lens file); - is standard input, in the format of --format")
 }
 
 /// The name of standard input as a model file.
@@ -167,6 +165,43 @@ impl ModelArguments {
         self.all_of(path, self.read(path, format, unit, &[], true)?).map(|imported| imported.scene)
     }
 
+    /// True if the model is a lens file.
+    pub fn is_lens(&self) -> bool {
+        self.format.is_none() && lens_input::is_one(&self.model)
+    }
+
+    /// Reads the model as a lens file. Ignored and replaced entries are reported on standard error.
+    pub fn lens(&self) -> Result<Prescription, Failure> {
+        let refused = [
+            (!self.definitions.is_empty(), "--define", "a lens file has no parameters"),
+            (self.unit.is_some(), "--unit", "a lens file states its unit"),
+            (self.facets, "--facets", "the surfaces of a lens file are exact"),
+            (self.repair, "--repair", "a lens file has no meshes"),
+            (!self.fonts.is_empty(), "--font", "a lens file has no text"),
+        ];
+        if let Some((_, option, reason)) = refused.iter().find(|(is_given, ..)| *is_given) {
+            let name = self.model.display();
+            let text = format!("{option} has no effect on {name}: {reason}. Leave it out.");
+            return Err(Failure::Usage(text));
+        }
+        lens_input::read(&self.model, self.strict)
+    }
+
+    /// The solids of a lens file, a region for each lens and mirror.
+    fn lens_solids(&self, path: &Path, unit: Option<&str>) -> Result<Imported, Failure> {
+        let lens = match path == self.model {
+            true => self.lens()?,
+            false if unit.is_some() => {
+                let name = path.display();
+                let text =
+                    format!("the unit of {name} cannot be set: a lens file states its unit. Leave it out.");
+                return Err(Failure::Usage(text));
+            }
+            false => lens_input::read(path, self.strict)?,
+        };
+        Ok(Imported::from_scene(LensModel::of(&lens)?.scene, Report::default()))
+    }
+
     /// The options of the reader.
     pub fn options(&self) -> Options {
         Options {
@@ -188,6 +223,9 @@ impl ModelArguments {
         definitions: &[(String, String)],
         scene_only: bool,
     ) -> Result<Imported, Failure> {
+        if format.is_none() && lens_input::is_one(path) {
+            return self.lens_solids(path, unit);
+        }
         let options = Options { unit: unit.and_then(Unit::parse), scene_only, ..self.options() };
         let format = format.and_then(Format::from_name);
         let text = (path == Path::new(STANDARD_INPUT)).then(standard_input).transpose()?;

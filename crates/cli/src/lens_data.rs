@@ -143,7 +143,7 @@ pub fn prescription_text(lens: &Prescription, semi_diameters: &[f64], unit: &str
 }
 
 /// Contents of a lens file beside the columns of a prescription.
-fn remarks(lens: &Prescription, number: usize, surface: &Surface) -> Vec<&'static str> {
+fn remarks(lens: &Prescription, number: usize, surface: &Surface) -> Vec<String> {
     let has = [
         (number == lens.stop, "stop"),
         (surface.even != [0.0; 8] || surface.odd != [0.0; 8], "aspheric terms"),
@@ -151,7 +151,9 @@ fn remarks(lens: &Prescription, number: usize, surface: &Surface) -> Vec<&'stati
         (surface.hole > 0.0, "hole"),
         (lens.breaks.iter().any(|own| own.before == number), "coordinate break before it"),
     ];
-    has.into_iter().filter_map(|(has, text)| has.then_some(text)).collect()
+    let edge = surface.mechanical_semi_diameter;
+    let edge = edge.map(|radius| format!("mechanical semi-diameter {}", short(rounded(radius, 5))));
+    has.into_iter().filter_map(|(has, text)| has.then_some(text.to_owned())).chain(edge).collect()
 }
 
 /// The medium behind a surface.
@@ -175,6 +177,7 @@ pub fn prescription_json(lens: &Prescription, semi_diameters: &[f64]) -> Value {
             "thickness": surface.thickness,
             "behind": behind_text(&surface.behind),
             "semi_diameter": semi_diameters.get(place),
+            "mechanical_semi_diameter": surface.mechanical_semi_diameter,
             "conic": surface.conic,
             "is_stop": place + 1 == lens.stop,
         })

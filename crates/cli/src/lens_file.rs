@@ -1,16 +1,14 @@
-//! Lens files as models: a sequential prescription converted to solids, with the light of its
-//! fields.
+//! Lens files as optical systems: a sequential prescription converted to solids, with the light of its fields.
 
 use crate::arguments::{ModelArguments, debug_hash};
 use crate::failure::Failure;
-use crate::terminal::{self, short};
+use crate::lens_input;
+use crate::terminal;
 use rayweave::lens::analysis::{PupilQuadrature, needs_aiming};
-use rayweave::lens::prescription::{FieldKind, IMAGE, Prescription, PrescriptionError, read_zmx};
+use rayweave::lens::prescription::{IMAGE, Prescription, PrescriptionError};
 use rayweave::optics::file::OpticalScene;
 use rayweave::optics::source::{ListedRays, Pattern, Power, Source, Sources};
 use rayweave::optics::{Beam, TraceSettings};
-use rayweave::scene::{Unit, nearby_sentence, read_bytes};
-use std::path::Path;
 
 /// The number of rings of rays in the pupil, 880 rays for each field and wavelength: 20 rings leave an error of RMS radii
 /// of about 1 % where half of the pupil is vignetted; a clear pupil needs fewer.
@@ -37,43 +35,10 @@ pub struct Bench {
     pub lens: Option<Box<Prescription>>,
 }
 
-/// True if a path has the extension of a lens file.
-pub fn is_one(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zmx"))
-}
-
-/// Reads a lens file; ignored and replaced entries are reported on standard error.
-pub fn read(model: &ModelArguments) -> Result<Prescription, Failure> {
-    let path = &model.model;
-    if let Some((name, _)) = model.definitions.first() {
-        let problem = format!("--define {name}: a lens file has no parameters");
-        return Err(Failure::Usage(format!("{problem}: only Rayweave's own models have them.")));
-    }
-    let name = path.display();
-    let unreadable =
-        |reason| Failure::Input(format!("{name}: cannot be read: {reason}.{}", nearby_sentence(path)));
-    let bytes = read_bytes(path).map_err(unreadable)?;
-    let read = read_zmx(&bytes).map_err(|error| wrong(model, &error))?;
-    if let (true, Some(note)) = (model.strict, read.notes.first()) {
-        return Err(Failure::Input(format!("{name}: {note}")));
-    }
-    for note in &read.notes {
-        terminal::caution(&format!("{name}: {note}"));
-    }
-    Ok(read.prescription)
-}
-
-/// The failure of an error about a lens file, line by line.
-pub fn wrong(model: &ModelArguments, error: &dyn std::error::Error) -> Failure {
-    let name = model.model.display();
-    let lines: Vec<String> = error.to_string().lines().map(|line| format!("{name}: {line}")).collect();
-    Failure::Input(lines.join("\nerror: "))
-}
-
 /// The solids of a lens file with the light of its fields.
 pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
-    let lens = read(model)?;
-    let wrong = |error: &dyn std::error::Error| wrong(model, error);
+    let lens = model.lens()?;
+    let wrong = |error: &dyn std::error::Error| lens_input::wrong(&model.model, error);
     let layout = lens.assembly().map_err(|error| wrong(&error))?;
     let (assembly, sequence) = (layout.assembly, layout.sequence);
     let name = model.model.display().to_string();
@@ -82,38 +47,9 @@ pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
     let rays = (PupilQuadrature::gaussian(RINGS).points.len() * lens.lines.len()) as f64;
     let settings = TraceSettings { threshold: FAINTEST / rays, ..TraceSettings::default() };
     let optics = OpticalScene { assembly, sources: Sources::new(sources), settings };
-    let (unit, fields) = (unit(&lens), field_texts(&lens));
+    let (unit, fields) = (lens_input::unit(&lens), lens_input::field_texts(&lens));
     let identity = debug_hash(&lens);
     Ok(Bench { identity, optics, unit, image: Some(IMAGE), sequence, fields, lens: Some(Box::new(lens)) })
-}
-
-/// The symbol of the unit of length of a lens; empty for an unusual one.
-pub fn unit(lens: &Prescription) -> &'static str {
-    Unit::of_metres(1e-9 * lens.unit_nm).map_or("", Unit::symbol)
-}
-
-/// The coordinates of the fields of a lens.
-pub fn field_texts(lens: &Prescription) -> Vec<String> {
-    lens.fields.iter().map(|&place| field_text(lens.field_kind, place, unit(lens))).collect()
-}
-
-/// The fields of a lens for legends: a number for a field along y.
-pub fn field_names(lens: &Prescription) -> Vec<String> {
-    let name = |&[x, y]: &[f64; 2]| match (x == 0.0, lens.field_kind) {
-        (true, FieldKind::Angle) => format!("{}\u{b0}", short(y)),
-        (true, _) => format!("{} {}", short(y), unit(lens)),
-        (false, kind) => field_text(kind, [x, y], unit(lens)),
-    };
-    lens.fields.iter().map(name).collect()
-}
-
-/// The coordinates of a field with their unit.
-fn field_text(kind: FieldKind, place: [f64; 2], unit: &str) -> String {
-    let coordinates = place.map(short).join(", ");
-    match kind {
-        FieldKind::Angle => format!("({coordinates})\u{b0}"),
-        FieldKind::ObjectHeight | FieldKind::ImageHeight => format!("({coordinates}) {unit}"),
-    }
 }
 
 /// The light of a field, with a total power of 1, divided among the wavelengths by weight and among the rays by the area

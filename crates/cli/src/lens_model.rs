@@ -1,6 +1,6 @@
 //! Lens files as model files: the solids of a prescription, with its stop, its image and the light of its fields as `[optics]` tables.
 
-use crate::lens_file;
+use crate::lens_input;
 use rayweave::lens::prescription::{IMAGE, Prescription, PrescriptionLayout};
 use rayweave::math::Affine;
 use rayweave::optics::component::{Asphere, Sheet, SurfaceForm};
@@ -172,7 +172,7 @@ fn sources(lens: &Prescription) -> Result<String, Error> {
             format_args!(
                 "\n# field {field}: {}\n[[optics.source]]\n{pattern}\nwavelength_nm = [{lines}]\n\
                  transform = [{{ rotate_x = {:?} }}, {{ rotate_z = {:?} }}, {{ translate = [{:?}, {:?}, {:?}] }}]",
-                lens_file::field_texts(lens)[field],
+                lens_input::field_texts(lens)[field],
                 0.0 - tilt,
                 if tilt == 0.0 { 0.0 } else { turn },
                 origin.x,

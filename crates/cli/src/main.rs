@@ -13,6 +13,7 @@ mod interval;
 mod lens_data;
 mod lens_drawing;
 mod lens_file;
+mod lens_input;
 mod lens_model;
 mod outputs;
 mod photon_report;

@@ -408,8 +408,14 @@ fn footer(svg: &mut Svg, title: &str, elements: &[LensElement], scale: &Scale) {
     );
     svg.text("name", [width - MARGIN, y], Anchor::End, &facts, &facts);
     if elements.iter().flat_map(|element| &element.faces).any(|face| face.is_computed) {
-        let note = "* not stated: the rays of all fields plus 2 %; the diameter of the element is the larger one, without a mounting rim";
-        svg.text("name", [MARGIN, y - 22.0], Anchor::Start, note, note);
+        let clear = |element: &LensElement| element.faces.iter().map(|face| face.clear).fold(0.0, f64::max);
+        let has_rim = |element: &LensElement| element.semi_diameter > clear(element) * (1.0 + 1e-9);
+        let diameter = match elements.iter().all(has_rim) {
+            true => "",
+            false => "; the diameter of the element is the larger one, without a mounting rim",
+        };
+        let note = format!("* not stated: the rays of all fields plus 2 %{diameter}");
+        svg.text("name", [MARGIN, y - 22.0], Anchor::Start, &note, &note);
     }
 }
 

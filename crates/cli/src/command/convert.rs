@@ -2,7 +2,6 @@
 
 use crate::arguments::{GlobalArguments, ModelArguments, OnlyArguments};
 use crate::failure::Failure;
-use crate::lens_file;
 use crate::lens_model::LensModel;
 use crate::terminal;
 use clap::Args;
@@ -17,7 +16,8 @@ use std::path::{Path, PathBuf};
 /// a solid is not written either.
 ///
 /// A sequential Zemax lens file (.zmx) becomes a native model with lenses, mirrors, stop and image, and a source for each field with all
-/// wavelengths, which fills the paraxial entrance pupil: rays are not aimed at the stop. Other formats get the solids only.
+/// wavelengths, which fills the paraxial entrance pupil: rays are not aimed at the stop. Other formats, and files of one solid, get the
+/// solids only.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -25,7 +25,8 @@ Examples:
   rayweave convert lens.toml lens.gdml
   rayweave convert lens.toml lens.3mf --tolerance 0.001
   rayweave convert pump.toml housing.stl --solid housing
-  rayweave convert cooke-triplet.zmx triplet.toml")]
+  rayweave convert cooke-triplet.zmx triplet.toml
+  rayweave convert cooke-triplet.zmx front.stl --solid 'lens 1-2'")]
 pub struct Convert {
     #[command(flatten)]
     model: ModelArguments,
@@ -62,7 +63,7 @@ const CAD: [&str; 13] =
 impl Convert {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let format = self.format()?;
-        if self.model.format.is_none() && lens_file::is_one(&self.model.model) {
+        if self.model.is_lens() {
             return self.lens(format, global);
         }
         let imported = self.only.of_import(self.model.import()?)?;
@@ -86,14 +87,14 @@ impl Convert {
 
     /// Writes the solids of a lens file and, into a native file, its stop, its image and the light of its fields.
     fn lens(&self, format: Format, global: &GlobalArguments) -> Result<(), Failure> {
-        let lens = lens_file::read(&self.model)?;
-        let LensModel { scene, optics, mut losses } = LensModel::of(&lens)?;
+        let LensModel { scene, optics, mut losses } = LensModel::of(&self.model.lens()?)?;
+        let scene = self.only.of(scene)?;
         let options =
             WriteOptions { tolerance: self.tolerance, text: self.text, allow_unsound: self.allow_unsound };
         let written = formats::write(&scene, None, format, &options).map_err(rayweave::Error::from)?;
         let mut bytes = written.bytes;
         match format {
-            Format::Native => bytes.extend_from_slice(optics.as_bytes()),
+            Format::Native if !self.only.is_one() => bytes.extend_from_slice(optics.as_bytes()),
             _ => losses.push("the stop, the image, the fields and the wavelengths are left out.".to_owned()),
         }
         losses.extend(

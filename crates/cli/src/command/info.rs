@@ -1,10 +1,10 @@
 //! `rayweave info`: the contents of a model.
 
-use crate::arguments::{ModelArguments, OnlyArguments, lens_or_model_help};
+use crate::arguments::{ModelArguments, OnlyArguments};
 use crate::command::tree;
 use crate::failure::Failure;
 use crate::lens_data::{LensData, prescription_json, prescription_text};
-use crate::lens_file;
+use crate::lens_input;
 use crate::terminal;
 use clap::Args;
 use rayweave::features::extent;
@@ -24,7 +24,6 @@ use std::collections::HashSet;
 ///
 /// Of a sequential Zemax lens file (.zmx), the surfaces, fields and first-order data are printed.
 #[derive(Args)]
-#[command(mut_arg("model", |model| model.help(lens_or_model_help())))]
 pub struct Info {
     #[command(flatten)]
     model: ModelArguments,
@@ -51,7 +50,7 @@ pub struct Info {
 
 impl Info {
     pub fn run(&self) -> Result<(), Failure> {
-        if self.model.format.is_none() && lens_file::is_one(&self.model.model) {
+        if self.model.is_lens() {
             return self.lens();
         }
         let meshes = self.meshes()?;
@@ -115,10 +114,10 @@ impl Info {
             let problem = "--solid: a lens file is a list of surfaces, without named solids.";
             return Err(Failure::Usage(format!("{problem} Leave the option out.")));
         }
-        let lens = lens_file::read(&self.model)?;
-        let (unit, fields) = (lens_file::unit(&lens), lens_file::field_texts(&lens));
+        let lens = self.model.lens()?;
+        let (unit, fields) = (lens_input::unit(&lens), lens_input::field_texts(&lens));
         let data = LensData::new(&lens, &fields, unit);
-        let data = data.map_err(|error| lens_file::wrong(&self.model, &error))?;
+        let data = data.map_err(|error| lens_input::wrong(&self.model.model, &error))?;
         // a lens without solids has a prescription, too
         let sizes = lens.assembly().map(|layout| layout.semi_diameters);
         let sizes = sizes.unwrap_or_else(|error| {

@@ -1,12 +1,13 @@
 //! `rayweave optics`: light through the solids of a model.
 
-use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, debug_hash, lens_or_model_help};
+use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, debug_hash};
 use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::lens_data::LensData;
 use crate::lens_drawing::{DrawingOptions, LensDrawing};
 use crate::lens_file::{self, Bench};
+use crate::lens_input;
 use crate::outputs;
 use crate::terminal::{self, Unit, short};
 use clap::{Args, ValueEnum};
@@ -44,9 +45,8 @@ use std::path::PathBuf;
 /// wavelength_nm, intensity, index, x0, y0, z0, x1, y1, z1, x_tilt, y_tilt, z_tilt, path, element, surface, event. It is streamed:
 /// the memory required does not grow with the number of rays. The file appears when it is complete.
 #[derive(Args)]
-#[command(mut_arg("model", |model| model.help(lens_or_model_help())))]
 #[command(after_help = "\
-Only in Python (rayweave.optics.Prescription, docs/guides/lens-design.md): Seidel sums, ray fans, wavefronts and Zernike
+Only in Python, see help(rayweave.optics.Prescription): Seidel sums, ray fans, wavefronts and Zernike
 polynomials, MTF, encircled energy, through focus, field curvature, vignetting, colour, optimisation, tolerances.
 
 Examples:
@@ -197,7 +197,7 @@ impl Optics {
         let Bench { identity, optics, unit, image, sequence, fields, lens } = self.bench()?;
         let lens = lens.as_deref();
         let data = lens.map(|lens| LensData::new(lens, &fields, unit)).transpose();
-        let data = data.map_err(|error| lens_file::wrong(&self.model, &error))?;
+        let data = data.map_err(|error| lens_input::wrong(&self.model.model, &error))?;
         let optics = self.resolved(global, optics)?;
         let system = optics.assembly.compile()?;
         let part = self.part(&identity, &optics)?;
@@ -244,7 +244,7 @@ impl Optics {
 
     /// Reads the optical system of a model or lens file.
     fn bench(&self) -> Result<Bench, Failure> {
-        if self.model.format.is_none() && lens_file::is_one(&self.model.model) {
+        if self.model.is_lens() {
             return lens_file::load(&self.model);
         }
         let (document, scene) = self.model.load_document()?;
@@ -310,7 +310,7 @@ impl Optics {
         };
         let title = self.model.name();
         let svg = rayweave::lens_drawing_with(lens, self.element, "", self.indication.clone())
-            .map_err(|error| lens_file::wrong(&self.model, &error))?;
+            .map_err(|error| lens_input::wrong(&self.model.model, &error))?;
         drawing::save(path, &svg, &title)
     }
 
@@ -339,7 +339,7 @@ impl Optics {
         };
         let drawn = LensDrawing::new(lens, options);
         let LensDrawing { system, sequence, light, stop } =
-            drawn.map_err(|error| lens_file::wrong(&self.model, error.as_ref()))?;
+            drawn.map_err(|error| lens_input::wrong(&self.model.model, error.as_ref()))?;
         // all rays of the drawing
         let rays = usize::try_from(light.count()).unwrap_or(usize::MAX);
         let options = LayoutOptions { plane: Some(plane), rays, colour };
@@ -347,7 +347,7 @@ impl Optics {
         let mut layout =
             OpticalLayout::new_in_order(&system, &sequence, &light, settings, &options, Packets::new)?
                 .with_source_names(
-                    lens_file::field_names(lens).into_iter().map(|name| format!("field {name}")),
+                    lens_input::field_names(lens).into_iter().map(|name| format!("field {name}")),
                 );
         if let Some(&image) = sequence.last() {
             layout = layout.ending_at(image);

@@ -130,6 +130,42 @@ fn lens_files_become_models_with_their_light() {
     bench.fails(3, &["convert", "lens.zmx", "lens.stl", "--strict"]);
 }
 
+/// The first lens of the triplet between its faces: the volume of each command is that of the model file that the lens becomes.
+#[test]
+fn commands_take_one_lens_of_a_lens_file() {
+    let bench = Bench::new();
+    bench.write("lens.zmx", std::fs::read_to_string("../../models/optics/cooke-triplet.zmx").unwrap());
+    bench.says(&["convert", "lens.zmx", "lens.toml"]);
+    let volume = |name: &str, extra: &[&str]| {
+        let found = bench.json(&[&["volume", name, "--json"], extra].concat());
+        let regions = found["regions"].as_array().unwrap();
+        assert_eq!(regions.len(), 1, "{found}");
+        regions[0]["volume"]["value"].as_f64().unwrap()
+    };
+    let expected = volume("lens.toml", &["--solid", "lens 1-2"]);
+    assert_eq!(volume("lens.zmx", &["--solid", "lens 1-2"]), expected);
+    for part in ["front.stl", "front.toml"] {
+        bench.says(&["convert", "lens.zmx", part, "--solid", "lens 1-2"]);
+        let found = volume(part, &[]);
+        assert!((found / expected - 1.0).abs() < 3e-3, "{part}: {found}, not {expected}");
+    }
+    let unknown = bench.fails(2, &["convert", "lens.zmx", "front.stl", "--solid", "lens 9-10"]);
+    assert!(unknown.contains("lens 9-10") && unknown.contains("lens 1-2"), "{unknown}");
+    let options: [&[&str]; 4] = [&["--unit", "cm"], &["--facets"], &["--repair"], &["--define", "R=1"]];
+    for option in options {
+        for command in [
+            &["convert", "lens.zmx", "x.stl"][..],
+            &["optics", "lens.zmx"],
+            &["volume", "lens.zmx"],
+            &["info", "lens.zmx"],
+        ] {
+            let refused = bench.fails(2, &[command, option].concat());
+            let begin = format!("error: {} has no effect on lens.zmx: ", option[0]);
+            assert!(refused.starts_with(&begin) && refused.ends_with("Leave it out.\n"), "{refused}");
+        }
+    }
+}
+
 #[test]
 fn meshes_that_are_not_sound_are_refused_unless_allowed() {
     let bench = Bench::new();
