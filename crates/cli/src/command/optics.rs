@@ -46,8 +46,9 @@ use std::path::PathBuf;
 /// the memory required does not grow with the number of rays. The file appears when it is complete.
 #[derive(Args)]
 #[command(after_help = "\
-Only in Python, see help(rayweave.optics.Prescription): Seidel sums, ray fans, wavefronts and Zernike
-polynomials, MTF, encircled energy, through focus, field curvature, vignetting, colour, optimisation, tolerances.
+Only in Python, see help(rayweave.optics.Prescription): Seidel sums, ray fans, wavefronts and
+Zernike polynomials, MTF, encircled energy, through focus, field curvature, vignetting, colour,
+optimisation, tolerances.
 
 Examples:
   rayweave optics doublet.toml
