@@ -176,3 +176,67 @@ def test_results_print_summaries() -> None:
     quantiles = {name.strip(): float(value) for name, value in rows[1:]}
     assert quantiles["90 % of the trials up to"] == pytest.approx(trials.quantile(0.9), rel=1e-5)
     assert quantiles["without errors"] == pytest.approx(trials.nominal, rel=1e-5)
+
+
+def test_targets_of_spots_are_radii() -> None:
+    lens = doublet()
+    radius = float(lens.spots()["rms"][1])
+    goals = [
+        ro.goal("spot", 0.5 * radius, field=1),
+        ro.goal("spot", at_most=2 * radius, field=1),
+        ro.goal("spot", at_most=0.8 * radius, field=1, weight=3),
+        ro.goal("spot", field=1),
+    ]
+    table = ro.optimise(lens, ["thickness 3"], goals, patience=1).goals
+    assert table["value_before"] == pytest.approx(radius)
+    expected = np.square([0.5 * radius, 0.0, 3 * 0.2 * radius, radius])
+    assert table["contribution_before"] == pytest.approx(expected, rel=1e-9, abs=1e-20)
+
+
+def test_vignetted_fields_of_goals_are_stated() -> None:
+    lens = doublet().with_surface(1, semi_diameter=8)
+    best = ro.optimise(lens, ["thickness 3"], [ro.goal("spot", field=0)], rings=30)
+    # a circle of 8 of one of 10
+    assert best.vignetted == {0: pytest.approx(1 - 0.64, abs=0.02)}
+    assert "field 0 is vignetted: 3" in str(best)
+    assert ro.optimise(lens, ["thickness 3"], [ro.goal("focal length", 101)]).vignetted == {}
+
+
+def test_mechanical_semi_diameters_widen_lenses(tmp_path: Any) -> None:
+    lens = doublet()
+    wide = lens.with_surface(1, mechanical_semi_diameter=14).with_surface(2, mechanical_semi_diameter=14)
+    assert wide.surfaces[0].mechanical_semi_diameter == 14 and lens.surfaces[0].mechanical_semi_diameter is None
+    wide.write_zmx(tmp_path / "wide.zmx")
+    back = ro.Prescription.read_zmx(tmp_path / "wide.zmx")
+    assert back.surfaces[1].mechanical_semi_diameter == 14
+    assert "mechanical semi-diameter 14" in str(back)
+    assert wide.spots()["rms"] == pytest.approx(lens.spots()["rms"], rel=1e-12)
+    high = [elements[0].body.bounds[1][1] for elements in (wide.elements(), lens.elements())]
+    assert high[0] == pytest.approx(14) and high[1] < 11
+
+
+def test_spreads_have_two_ends() -> None:
+    mirror = ro.Prescription([ro.Surface(-200, -100, "mirror")], entrance_pupil_diameter=10)
+    found = ro.tolerance(mirror, {"radius 1": (-0.1, 0.5)}, "focal length", trials=200)
+    assert found["radius 1"].min() >= -0.1 and 0.4 < found["radius 1"].max() <= 0.5
+    assert found.sensitivities["spread"].tolist() == [0.5]
+    assert found.sensitivities["change"] == pytest.approx([0.25])
+    assert found.sensitivities.show().get_xlabel() == "change of the merit, um"
+    with pytest.raises(RayweaveError, match="the upper end of the spread of radius 1 is 0.1: it has to be at least the lower end"):
+        ro.tolerance(mirror, {"radius 1": (0.2, 0.1)}, trials=1)
+
+
+def test_words_of_other_programs_have_hints() -> None:
+    with pytest.raises(ImportError, match="write optimise"):
+        exec("from rayweave.optics import optimize")
+    with pytest.raises(AttributeError, match="did you mean tolerance"):
+        getattr(ro, "tolerence")  # noqa: B009
+    assert not hasattr(ro, "optimize")
+    with pytest.raises(RayweaveError, match="Did you mean `decentre y 1-2`"):
+        ro.tolerance(doublet(), {"decenter y 1-2": 0.1}, trials=1)
+    with pytest.raises(RayweaveError, match=r"is a Zemax lens file: .* Read it with Prescription.read_zmx"):
+        ro.load("lens.zmx")
+    with pytest.raises(RayweaveError, match="frequencies has a number that is not finite"):
+        doublet().diffraction_mtf(math.nan)
+    with pytest.raises(RayweaveError, match=r"stop is 0: it must be at least 1\.$"):
+        doublet(stop=0)

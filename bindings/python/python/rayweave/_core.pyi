@@ -113,7 +113,7 @@ __all__ = [
     "zernike_values",
 ]
 
-_ErrorOf = tuple[str, str, float]
+_ErrorOf = tuple[str, str, Sequence[float]]
 _GoalOf = tuple[str, Sequence[float], str, float, float, float]
 _MaterialBehind = Glass | str | float | tuple[float, float]
 _Outline = tuple[str, float, float]
@@ -122,8 +122,9 @@ _Part = (
     | tuple[str, Sheet, _Spec]
     | tuple[str, ReadElement]
 )
+_SemiDiameters = tuple[float | None, float | None]
 _Row = (
-    tuple[float, float, _MaterialBehind, float, float | None, float, Sequence[float], Sequence[float], _Spec]
+    tuple[float, float, _MaterialBehind, float, _SemiDiameters, float, Sequence[float], Sequence[float], _Spec]
 )
 _Spec = tuple[str, Sequence[float]]
 _Substance = Glass | GradedMedium | tuple[float, float]

@@ -16,6 +16,8 @@ def whole(value: Any, name: str, least: int = 0, bits: int = 64) -> int:
         number = operator.index(value)
     except TypeError:
         raise TypeError(f"{name} is {value!r}: it must be a whole number.") from None
-    if not least <= number < 2**bits:
-        raise _core.RayweaveError(f"{name} is {number}: it must be at least {least} and below 2^{bits}.")
+    if number < least:
+        raise _core.RayweaveError(f"{name} is {number}: it must be at least {least}.")
+    if number >= 2**bits:
+        raise _core.RayweaveError(f"{name} is {number}: it must be below 2^{bits}.")
     return number

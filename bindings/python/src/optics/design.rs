@@ -12,16 +12,17 @@ use crate::engine::thread_argument;
 use crate::error::bad_value;
 use crate::optics::prescription::PyPrescription;
 
-/// A parameter by name, the kind of its spread and its scale.
+/// A parameter by name, the kind of its spread, and its scale or its two ends.
 #[derive(FromPyObject)]
-pub struct ErrorOf(String, String, f64);
+pub struct ErrorOf(String, String, Vec<f64>);
 
 impl ErrorOf {
     fn read(&self) -> PyResult<(DesignParameter, Spread)> {
-        let spread = match self.1.as_str() {
-            "uniform" => Spread::Uniform(self.2),
-            "normal" => Spread::Normal(self.2),
-            other => {
+        let spread = match (self.1.as_str(), self.2.as_slice()) {
+            ("uniform", &[scale]) => Spread::Uniform(scale),
+            ("normal", &[scale]) => Spread::Normal(scale),
+            ("between", &[low, high]) => Spread::Between(low, high),
+            (other, _) => {
                 let text = format!("the spread is {other:?}: it can be \"uniform\" or \"normal\".");
                 return Err(bad_value(text));
             }
@@ -211,6 +212,11 @@ pub fn optimise<'py>(
     table.set_item("values", values)?;
     let goals = found.goals.iter().map(|goal| (goal.values, goal.contributions));
     table.set_item("goals", goals.collect::<Vec<_>>())?;
+    let vignetted = PyDict::new(py);
+    for (field, lost) in &found.vignetted {
+        vignetted.set_item(*field, *lost)?;
+    }
+    table.set_item("vignetted", vignetted)?;
     table.set_item("before", found.before)?;
     table.set_item("after", found.after)?;
     table.set_item("evaluations", found.evaluations)?;

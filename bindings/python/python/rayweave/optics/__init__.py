@@ -31,6 +31,10 @@ files       `load`, `Prescription.read_zmx`
 =========== ========================================================================================================
 """
 
+import sys as _sys
+from difflib import get_close_matches as _get_close_matches
+from dis import opname as _opname
+
 from rayweave._core import Glass, GradedMedium, Sheet, glass_names
 from rayweave.optics._analysis import Path, Spot
 from rayweave.optics._columns import Columns
@@ -244,3 +248,31 @@ __all__ = [
     "wave_plate",
     "wedge_of_rays",
 ]
+
+#: Words of other programs and American spellings, with what to write.
+_MEANT = {
+    "optimize": "optimise(lens, parameters, goals)",
+    "Optimizer": "optimise(lens, parameters, goals)",
+    "tolerancing": "tolerance(lens, errors)",
+    "polarizer": "polariser(..)",
+    "read_zmx": "Prescription.read_zmx(path)",
+    "Lens": "Prescription(surfaces, ..), or lens(..) for one solid",
+    "operand": "goal(operand, ..)",
+    "stop": "aperture_stop(..), or Prescription(.., stop=number)",
+    "aperture": "aperture_stop(..), or Aperture for the outline of an element",
+    "mirror": "plane_mirror(..), spherical_mirror(..) or parabolic_mirror(..)",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name in _MEANT:
+        hint = f"write {_MEANT[name]}"
+    else:
+        near = _get_close_matches(name, __all__, 1)
+        hint = f"did you mean {near[0]}?" if near else "help(rayweave.optics) lists what there is"
+    problem = f"module 'rayweave.optics' has no attribute '{name}': {hint}"
+    caller = _sys._getframe(1)
+    # `from rayweave.optics import optimize` replaces the text of an AttributeError by one without the hint
+    if _opname[caller.f_code.co_code[caller.f_lasti]] == "IMPORT_FROM":
+        raise ImportError(problem, name=name)
+    raise AttributeError(problem)

@@ -17,7 +17,7 @@ from rayweave._table import aligned, short, table_of
 from rayweave._words import suggesting
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import all_of, each, flag, real, text, whole
-from rayweave.optics._images import _labelled
+from rayweave.optics._images import _labelled, _micrometres
 from rayweave.optics._plot import Plot, one_axes
 from rayweave.optics._prescription import Prescription
 from rayweave.optics._pupil import RINGS
@@ -28,8 +28,9 @@ if TYPE_CHECKING:
 #: The fractions of the quantiles that `print` shows.
 _QUANTILES = (0.1, 0.5, 0.8, 0.9, 0.98)
 
-#: The half-width of a uniform distribution, or ("uniform", half-width), or ("normal", standard deviation).
-Spread = float | tuple[Literal["uniform", "normal"], float]
+#: The half-width of a uniform distribution, or ("uniform", half-width), ("normal", standard deviation), or the lower and the upper
+#: end of a uniform distribution.
+Spread = float | tuple[Literal["uniform", "normal"], float] | tuple[float, float]
 
 Merit = Literal["spot", "wavefront", "wavefront about chief ray", "focal length", "back focal distance", "image shift", "transmitted"]
 #: A merit, or a transfer function with a frequency: ("diffraction mtf", 40).
@@ -38,7 +39,7 @@ AnyMerit = Merit | tuple[Literal["geometric mtf", "diffraction mtf"], float]
 
 class Sensitivities(Columns):
     """The effect of each `parameter` alone on the merit: `minus` and `plus`, the merits with the parameter too small
-    and too large by its maximum or standard deviation `spread`; `change`, the larger of their two distances from `nominal`,
+    and too large by its maximum or standard deviation `spread` (for a pair of ends at these, and `spread` is the one farther from 0); `change`, the larger of their two distances from `nominal`,
     the merit without errors; and `slope`, their difference divided by that of the parameter.
 
     `change` compares parameters of different units: the parameter with the largest one matters most. `slope` does not: it
@@ -58,20 +59,22 @@ class Sensitivities(Columns):
 
     def show(self, *, ax: Axes | Plot | None = None, most: int = 20) -> Plot:
         """Draws the changes of the merit as bars, for each parameter one for each side; the parameter with the largest change
-        is on top. Only the `most` parameters with the largest changes are drawn."""
+        is on top. Only the `most` parameters with the largest changes are drawn. Lengths are in micrometres."""
         ax = one_axes(ax)
+        factor, unit = _micrometres(self.units["change"])
         order = np.argsort(self["change"])[-whole(most, "most", least=1) :]
         ax.tick_params(axis="y", labelsize="small" if len(order) > 10 else "medium")
         places, height = np.arange(len(order)), 0.38
         for name, side in (("minus", -0.5), ("plus", 0.5)):
-            change = self[name][order] - self["nominal"][order]
+            change = factor * (self[name][order] - self["nominal"][order])
             ax.barh(places + side * height, change, height, label=name)
         ax.set_yticks(places, self["parameter"][order])
         # a few bars keep the width that they have beside others
         ax.set_ylim(-0.6, max(len(order), 4) - 0.4)
         ax.axvline(0.0, color="#a0a0a0", linewidth=0.6)
         ax.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
-        unit = self.units["change"]
+        # long numbers overlap at the default number of ticks
+        ax.locator_params(axis="x", nbins=6)
         return Plot(_labelled(ax, f"change of the merit, {unit}" if unit else "change of the merit", "", legend=False))
 
 
@@ -117,15 +120,19 @@ class Trials(Columns):
         return int(np.isnan(self["merit"]).sum())
 
     def show(self, *, ax: Axes | Plot | None = None, bins: int = 40) -> Plot:
-        """Draws a histogram of the merits, with the merit without errors and the quantiles of 10, 50 and 90 percent."""
+        """Draws a histogram of the merits, with the merit without errors and the quantiles of 10, 50 and 90 percent. Lengths are in
+        micrometres, except focal lengths and back focal distances."""
         ax = one_axes(ax)
-        merits = self["merit"][np.isfinite(self["merit"])]
+        # focal lengths are far from micrometres
+        is_short = abs(self.nominal) * _micrometres(self.units["merit"])[0] < 1e4
+        factor, unit = _micrometres(self.units["merit"]) if is_short else (1.0, self.units["merit"])
+        merits = factor * self["merit"][np.isfinite(self["merit"])]
         ax.hist(merits, bins=bins, color="#a8d1f0")
-        ax.axvline(self.nominal, color="#202020", label="without errors")
+        ax.axvline(factor * self.nominal, color="#202020", label="without errors")
         for fraction in (0.1, 0.5, 0.9):
-            at = self.quantile(fraction)
+            at = factor * self.quantile(fraction)
             ax.axvline(at, color="#c05020", linestyle="--", label=f"{100 * fraction:g} %: {at:.4g}")
-        unit = self.units["merit"]
+        ax.locator_params(axis="x", nbins=6)
         return Plot(_labelled(ax, f"merit, {unit}" if unit else "merit", "trials"))
 
 
@@ -147,6 +154,11 @@ def tolerance(
     The name of a parameter is a quantity and a surface, counted from 1: "radius 2", "curvature 2", "thickness 1", "conic 1",
     "index 1", or "r^4 1", the coefficient of a power of the distance from the axis, 1 to 16. Surfaces that move as one body, about the
     vertex of the first, have "decentre x 1-2", "decentre y 3", "tilt x 1-2", "tilt y 3" (degrees).
+
+    The deviation of a parameter, in its unit, is uniform between -d and +d for a number d, or ("uniform", d); normal with the standard
+    deviation s for ("normal", s); and uniform between a and b for a pair (a, b), such as (-0.1, 0.0).
+
+    The merits are:
 
     - "spot": the RMS radius of the spots. A spot contains all wavelengths about their common centroid; rays have the weight of their
       wavelength times that of their point of the pupil (`pupil_quadrature`);
@@ -186,7 +198,7 @@ def tolerance(
     needs_rings = name in (*_RAY_OPERANDS, *_MTF_OPERANDS)
     found = _core.tolerance(
         _lens(lens),
-        [(name, kind, scale) for name, (kind, scale) in spreads.items()],
+        [(name, kind, numbers) for name, (kind, numbers) in spreads.items()],
         name,
         whole(trials, "trials", least=1),
         frequency=frequency,
@@ -211,7 +223,7 @@ def tolerance(
     table.sensitivities = Sensitivities(
         {
             "parameter": list(spreads),
-            "spread": [scale for _, scale in spreads.values()],
+            "spread": [max(abs(number) for number in numbers) for _, numbers in spreads.values()],
             "nominal": np.full(len(spreads), table.nominal),
             "minus": minus,
             "plus": plus,
@@ -245,13 +257,16 @@ def _lens(lens: Prescription) -> _core.CompiledPrescription:
     return lens._compiled
 
 
-def _spread(name: str, spread: Spread) -> tuple[str, float]:
-    needed = 'a number, or a pair of "uniform" or "normal" and a number'
+def _spread(name: str, spread: Spread) -> tuple[str, list[float]]:
+    needed = 'a number, a pair of "uniform" or "normal" and a number, or a pair of a lower and an upper end'
+    deviation = f"the deviation of {name!r}"
     match spread:
         case (str() as kind, scale):
-            return kind, real(scale, f"the deviation of {name!r}", needed)
+            return kind, [real(scale, deviation, needed)]
+        case (low, high):
+            return "between", [real(low, deviation, needed), real(high, deviation, needed)]
         case scale:
-            return "uniform", real(scale, f"the deviation of {name!r}", needed)
+            return "uniform", [real(scale, deviation, needed)]
 
 
 def _unit(name: str, unit: str) -> str:
@@ -368,11 +383,14 @@ def goal(
 
     Operands of all rays of a `field`:
 
-    - "spot", whose sum of squares is the square of the RMS radius. A spot contains all wavelengths with their weights about their
+    - "spot", the RMS radius. A spot contains all wavelengths with their weights about their
       common centroid, as in `Prescription.spots` and `tolerance`; with `wavelength_nm` it has one wavelength and its own centroid,
       and lateral colour does not count;
-    - "wavefront" at a wavelength, whose sum of squares is the square of the RMS in waves, without tilt, as `Wavefront.rms` (which
+    - "wavefront" at a wavelength, the RMS in waves, without tilt, as `Wavefront.rms` (which
       has 12 rings by default, a goal 6); "wavefront about chief ray" includes tilt, as `Wavefront.rms_about_chief_ray`.
+
+    With target 0, each ray of these is a deviation of its own, and the sum of their squares is that of the RMS value; with any other
+    target or a bound, the deviation is that of the RMS value.
 
     `weight` multiplies the deviation of this goal beside the others. The weights of wavelengths are those of the prescription,
     `Prescription(.., wavelengths_nm=.., weights=..)`, in goals as in `Prescription.spots`; fields have equal weights in `spots`, and in
@@ -480,7 +498,9 @@ class GoalTable(Columns):
 class Optimum:
     """The result of an optimisation: the prescription `lens`, the `values` of its parameters, and the root of the sum
     of squares of all weighted deviations `before` and `after`. `goals` lists the goals with their values and contributions.
-    `has_converged` is true if no step improves it further, and `reason` states why it ended.
+    `has_converged` is true if no step improves it further, and `reason` states why it ended. The goals ignore vignetting: `vignetted`
+    has the fields of spots, wavefronts and transfer functions that the stated semi-diameters of `lens` vignette, each with the fraction
+    of the pupil that is lost at the primary wavelength.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -495,6 +515,7 @@ class Optimum:
     lens: Prescription
     values: dict[str, float]
     goals: GoalTable
+    vignetted: dict[int, float]
     before: float
     after: float
     evaluations: int
@@ -509,7 +530,11 @@ class Optimum:
         shown = ("goal", "target", "wanted", "wanted_to", "value_before", "value_after", "contribution_after")
         has_ranges = bool(np.isfinite(self.goals["wanted_to"]).any())
         columns = {name: self.goals[name] for name in shown if has_ranges or name != "wanted_to"}
-        return "\n".join([head, "", *values, "", str(Columns(columns))])
+        notes = [
+            f"field {field} is vignetted: {100 * lost:.2g} % of its pupil is lost, which the goals ignore"
+            for field, lost in self.vignetted.items()
+        ]
+        return "\n".join([head, "", *values, "", str(Columns(columns)), *notes])
 
     def _repr_html_(self) -> str:
         merit = {"before": self.before, "after": self.after, "evaluations": self.evaluations, "ended": self.reason}
@@ -559,7 +584,8 @@ def optimise(
 
     Spots and wavefronts are means over the pupil from 2 rings (rings + 2) rays (`pupil_quadrature`), none of which goes through the
     rim. With `aimed=True` rays go through points of the stop instead of the entrance pupil, as in `Prescription.rays`; wide fields need
-    this, and each evaluation then takes several times as long.
+    this, and each evaluation then takes several times as long. Rays count regardless of the semi-diameters: where the field of a goal is
+    vignetted, `Optimum.vignetted` and `print` state it, and `goal("clearance", at_least=0, field=k)` avoids it.
 
     The search follows rays from surface to surface, also where surfaces cross: a `UserWarning` states that the result cannot be
     built. Bounds are goals, too: a `UserWarning` names the bounds that the result violates by more than 1 %. Increase their weight.

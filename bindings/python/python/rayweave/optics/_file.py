@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from os import PathLike
+from os import PathLike, fspath
 from typing import Any
 
 from rayweave import _core
@@ -108,6 +108,11 @@ def load(
     >>> ro.load("ball.toml").system.element_names
     ['ball', 'screen']
     """
+    if str(fspath(path)).lower().endswith(".zmx"):
+        raise _core.RayweaveError(
+            f"{fspath(path)} is a Zemax lens file: it has no [optics] tables. Read it with Prescription.read_zmx(path); `rayweave info` "
+            "lists its surfaces, and `rayweave convert LENS.zmx LENS.toml` makes a model of it."
+        )
     values = None if parameters is None else dict(parameters)
     return _model(_core.load_optics(path, values, allow=list(allow), strict=strict))
 

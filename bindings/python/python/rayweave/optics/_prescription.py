@@ -177,7 +177,8 @@ class Surface:
     `radius` is positive if the centre lies on the side of +z, inf for a plane; `thickness` is the distance along z to
     the next surface, negative where light travels back; `conic` the conic constant (0 a sphere, -1 a paraboloid);
     `semi_diameter` the clear one, by default that of the rays of all fields plus 2 %; `hole` the semi-diameter of a
-    hole in a mirror.
+    hole in a mirror. `mechanical_semi_diameter` is that of the edge of the lens: its solid and its drawing are as wide as the greatest
+    of the clear and mechanical semi-diameters of its two surfaces, and beyond the clear ones it absorbs. Mirrors have none.
 
     `even` are the coefficients of r^2, r^4, ..., r^16 and `odd` those of r, r^3, ..., r^15, as many as are needed; they
     add to the sag of the conic. The coefficient of r^2 adds to the curvature; that of r makes a cone around the vertex
@@ -200,23 +201,26 @@ class Surface:
     even: tuple[float, ...] = ()
     odd: tuple[float, ...] = ()
     figure: Figure | None = None
+    mechanical_semi_diameter: float | None = None
 
     def _row(self) -> tuple[Any, ...]:
         terms = numbers(self.even, "even"), numbers(self.odd, "odd")
         figure = _figure_row(self.figure)
         radius, thickness = real(self.radius, "the radius of a surface"), real(self.thickness, "a thickness")
         conic, hole = real(self.conic, "the conic constant of a surface"), real(self.hole, "hole")
-        semi_diameter = None if self.semi_diameter is None else real(self.semi_diameter, "semi_diameter")
-        return (radius, thickness, _behind(self.behind), conic, semi_diameter, hole, *terms, figure)
+        names = ("semi_diameter", "mechanical_semi_diameter")
+        sizes = tuple(None if getattr(self, name) is None else real(getattr(self, name), name) for name in names)
+        return (radius, thickness, _behind(self.behind), conic, sizes, hole, *terms, figure)
 
     @classmethod
     def _of(cls, row: tuple[Any, ...]) -> Surface:
-        radius, thickness, behind, conic, semi_diameter, hole, even, odd, figure = row
-        return cls(radius, thickness, behind, conic, semi_diameter, hole, tuple(even), tuple(odd), _figure_of(figure))
+        radius, thickness, behind, conic, (clear, mechanical), hole, even, odd, figure = row
+        return cls(radius, thickness, behind, conic, clear, hole, tuple(even), tuple(odd), _figure_of(figure), mechanical)
 
 
 Surface.__init__ = suggesting(  # type: ignore[method-assign]
-    glass="behind", material="behind", medium="behind", curvature="radius", distance="thickness", k="conic", aperture="semi_diameter"
+    glass="behind", material="behind", medium="behind", curvature="radius", distance="thickness", k="conic", aperture="semi_diameter",
+    edge_diameter="mechanical_semi_diameter", mechanical_diameter="mechanical_semi_diameter",
 )(Surface.__init__)
 
 
@@ -991,6 +995,8 @@ class Prescription:
         if count is not None and count > _MOST_CELLS:
             raise _core.RayweaveError(f"across is {count}: it must be at most {_MOST_CELLS}.")
         wanted = _frequencies(self._cutoff(wavelength_nm)) if frequencies is None else np.atleast_1d(array(frequencies, "frequencies"))
+        if not np.isfinite(wanted).all():
+            raise _core.RayweaveError("frequencies has a number that is not finite: a frequency is in cycles per unit of length.")
         lines = [(nm, weight) for nm, weight in self._compiled.frame()["lines"]]
         lines = [(self._wavelength(wavelength_nm), 1.0)] if wavelength_nm is not None else lines
         fields = [field if field != (0.0, 0.0) else (0.0, 1.0) for field in self.fields]

@@ -84,4 +84,5 @@ def _remarks(lens: Prescription, number: int, surface: Surface) -> list[str]:
         (surface.hole > 0.0, "hole"),
         (any(own.before == number for own in lens.breaks), "coordinate break before it"),
     ]
-    return [text for is_so, text in has if is_so]
+    edge = surface.mechanical_semi_diameter
+    return [text for is_so, text in has if is_so] + ([] if edge is None else [f"mechanical semi-diameter {edge:.5g}"])

@@ -52,20 +52,21 @@ fn material_behind<'py>(py: Python<'py>, behind: &Behind) -> PyResult<Bound<'py,
     }
 }
 
-/// Radius, thickness, material, conic constant, semi-diameter and hole of a surface, its even and odd terms, and its figure.
+/// The clear and the mechanical semi-diameter.
+type SemiDiameters = (Option<f64>, Option<f64>);
+
+/// Radius, thickness, material, conic constant, semi-diameters and hole of a surface, its even and odd terms, and its figure.
 #[derive(FromPyObject)]
-pub struct Row<'py>(f64, f64, MaterialBehind<'py>, f64, Option<f64>, f64, Vec<f64>, Vec<f64>, Spec);
+pub struct Row<'py>(f64, f64, MaterialBehind<'py>, f64, SemiDiameters, f64, Vec<f64>, Vec<f64>, Spec);
 
 impl Row<'_> {
     /// The surface.
     pub fn surface(&self) -> PyResult<Surface> {
-        let Row(radius, thickness, behind, conic, semi_diameter, hole, even, odd, shape) = self;
+        let Row(radius, thickness, behind, conic, semi_diameters, hole, even, odd, shape) = self;
         let surface = Surface::new(*radius, *thickness, behind.behind()).conic(*conic).hole(*hole);
         let surface = surface.even(terms("even", even)?).odd(terms("odd", odd)?).figure(figure(shape)?);
-        Ok(match semi_diameter {
-            Some(semi_diameter) => surface.semi_diameter(*semi_diameter),
-            None => surface,
-        })
+        let (semi_diameter, mechanical_semi_diameter) = *semi_diameters;
+        Ok(Surface { semi_diameter, mechanical_semi_diameter, ..surface })
     }
 }
 
@@ -121,12 +122,13 @@ fn given(terms: &[f64; 8]) -> Vec<f64> {
 }
 
 /// The row in the form that is returned to Python.
-pub type RowOut<'py> = (f64, f64, Bound<'py, PyAny>, f64, Option<f64>, f64, Vec<f64>, Vec<f64>, SpecOut);
+pub type RowOut<'py> = (f64, f64, Bound<'py, PyAny>, f64, SemiDiameters, f64, Vec<f64>, Vec<f64>, SpecOut);
 
 /// The row of a surface.
 pub fn row_of<'py>(py: Python<'py>, surface: &Surface) -> PyResult<RowOut<'py>> {
     let behind = material_behind(py, &surface.behind)?;
-    let Surface { radius, thickness, conic, semi_diameter, hole, even, odd, figure, .. } = surface;
+    let Surface { radius, thickness, conic, hole, even, odd, figure, .. } = surface;
+    let semi_diameters = (surface.semi_diameter, surface.mechanical_semi_diameter);
     let (even, odd, figure) = (given(even), given(odd), figure_out(figure));
-    Ok((*radius, *thickness, behind, *conic, *semi_diameter, *hole, even, odd, figure))
+    Ok((*radius, *thickness, behind, *conic, semi_diameters, *hole, even, odd, figure))
 }
