@@ -145,7 +145,7 @@ const NO_MODELS: [(&[&str], &str); 5] = [
     ),
     (
         &["zmx"],
-        "`rayweave optics` and `rayweave.optics.Prescription` read Zemax lens files; `rayweave convert LENS.zmx LENS.toml` makes a model of one",
+        "`rayweave info`, `rayweave optics` and `rayweave.optics.Prescription.read_zmx` read Zemax lens files; `rayweave convert LENS.zmx LENS.toml` makes a model of one",
     ),
     (&["csv", "npy", "npz", "parquet", "json", "root"], ""),
 ];

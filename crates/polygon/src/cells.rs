@@ -531,7 +531,7 @@ mod tests {
         let count = 3000;
         let tooth = |k: usize| {
             let (sin, cos) = libm::sincos(std::f64::consts::TAU * k as f64 / count as f64);
-            [cos, sin].map(|x| if k % 2 == 0 { 10.0 * x } else { 20.0 * x })
+            [cos, sin].map(|x| if k.is_multiple_of(2) { 10.0 * x } else { 20.0 * x })
         };
         let polygons =
             from_polygons(&[(0..count).map(tooth).collect::<Vec<Point>>()], Side::Outside).unwrap();

@@ -177,7 +177,7 @@ fn extents_are_those_of_the_model_not_of_its_box() {
 fn extents_of_many_shapes_take_limited_work() {
     let corner = |k: u32| {
         let (sin, cos) = (TAU * f64::from(k) / 2000.0).sin_cos();
-        let radius = if k % 2 == 0 { 20.0 } else { 10.0 };
+        let radius = if k.is_multiple_of(2) { 20.0 } else { 10.0 };
         format!("[{:.9}, {:.9}]", radius * cos, radius * sin)
     };
     let outline = (0..2000).map(corner).collect::<Vec<_>>().join(", ");

@@ -132,12 +132,22 @@ impl PlaneArgument {
     }
 }
 
+/// The contents of a drawing of sections.
+#[derive(Clone, Copy)]
+struct Drawn<'a> {
+    sections: &'a [CrossSection],
+    /// The visible edges behind the plane, as polylines in its coordinates.
+    edges: &'a [Vec<[f64; 2]>],
+    /// The cylindrical faces of the model, if dimensions are drawn.
+    cylinders: &'a [CylindricalFace],
+}
+
 /// Parses a plane, or a percentage such as `y=50%`.
 fn plane_argument(text: &str) -> Result<PlaneArgument, String> {
     let Some(rest) = text.trim().strip_suffix('%') else { return plane(text).map(PlaneArgument::Plane) };
     let part = rest.split_once('=').and_then(|(axis, percent)| {
         let axis = AXES.iter().position(|own| axis.trim().eq_ignore_ascii_case(own))?;
-        let percent = percent.trim().parse().ok().filter(|percent| (0.0..=100.0).contains(percent))?;
+        let percent = percent.trim().parse::<f64>().ok().filter(|percent| (0.0..=100.0).contains(percent))?;
         Some(PlaneArgument::Part(axis, percent / 100.0))
     });
     part.ok_or_else(|| {
@@ -192,7 +202,8 @@ impl Section {
             }
             false => Vec::new(),
         };
-        let save = |path: &PathBuf| self.save(path, (&found, &edges, &cylinders), scene.unit.symbol());
+        let drawn = Drawn { sections: &found, edges: &edges, cylinders: &cylinders };
+        let save = |path: &PathBuf| self.save(path, drawn, scene.unit.symbol());
         self.out.iter().try_for_each(save)?;
         let is_taken = self.out.iter().any(|path| path == Path::new("-"));
         match () {
@@ -290,12 +301,8 @@ impl Section {
         Err(Failure::Input(format!("{}: {what} {verb} the model: {reach}.", self.model.name())))
     }
 
-    fn save(
-        &self,
-        path: &Path,
-        (found, edges, cylinders): (&[CrossSection], &[Vec<[f64; 2]>], &[CylindricalFace]),
-        unit: &str,
-    ) -> Result<(), Failure> {
+    fn save(&self, path: &Path, drawn: Drawn<'_>, unit: &str) -> Result<(), Failure> {
+        let Drawn { sections: found, edges, cylinders } = drawn;
         match is_dxf(path) {
             true => terminal::save(path, section_dxf(found, unit).as_bytes()),
             false => {
