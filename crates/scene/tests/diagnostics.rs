@@ -56,9 +56,9 @@ error: unknown solid `frnt`: there is no [solid.frnt]. Did you mean `front`?
 fn an_unknown_parameter_does_not_hide_other_problems() {
     check(
         "[solid.a]\ncylinder = { radius = -2, heigth = 'H*2', length = 3 }",
-        "3:27 cylinder: unknown parameter `heigth`: the parameters are radius, height. Did you mean `height`?\n\
-         3:43 cylinder: unknown parameter `length`: the parameters are radius, height. Did you mean `height`?\n\
-         3:23 cylinder: radius is -2: radius must be finite and greater than 0. Did you mean 2?",
+        "3:23 cylinder: radius is -2: radius must be finite and greater than 0. Did you mean 2?\n\
+         3:27 cylinder: unknown parameter `heigth`: the parameters are radius, height. Did you mean `height`?\n\
+         3:43 cylinder: unknown parameter `length`: the parameters are radius, height. Did you mean `height`?",
     );
     check(
         "[solid.a]\ntube = { outer = 3, inner = 2 }",
