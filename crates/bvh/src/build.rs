@@ -72,7 +72,7 @@ pub(crate) fn build<const LEAF: usize>(items: &mut [Item], split: Split, threads
     if items.is_empty() {
         return Vec::new();
     }
-    let mut nodes = Builder::<LEAF> { split }.fork(Job { items, first: 0, depth: 0 }, threads);
+    let mut nodes = Builder::<LEAF> { split, width: WIDTH }.fork(Job { items, first: 0, depth: 0 }, threads);
     nodes.shrink_to_fit();
     nodes
 }
@@ -87,9 +87,9 @@ struct Job<'a> {
 
 /// A part of the items of a node.
 #[derive(Clone, Debug)]
-struct Part {
-    range: Range<usize>,
-    bounds: Item,
+pub(crate) struct Part {
+    pub range: Range<usize>,
+    pub bounds: Item,
 }
 
 impl Part {
@@ -98,8 +98,10 @@ impl Part {
     }
 }
 
-struct Builder<const LEAF: usize> {
-    split: Split,
+pub(crate) struct Builder<const LEAF: usize> {
+    pub split: Split,
+    /// The number of children of a node.
+    pub width: usize,
 }
 
 impl<const LEAF: usize> Builder<LEAF> {
@@ -193,18 +195,19 @@ impl<const LEAF: usize> Builder<LEAF> {
         node
     }
 
-    /// Divides the items of a node into up to eight parts, in order: repeatedly splits the part with the
+    /// Divides the items of a node into as many parts as it has children, or fewer, in order: repeatedly splits the part with the
     /// largest box. The last levels are divided evenly, which needs fewer nodes.
-    fn parts(&self, items: &mut [Item], depth: usize) -> Vec<Part> {
-        if LEAF == 1 && items.len() <= WIDTH {
+    pub fn parts(&self, items: &mut [Item], depth: usize) -> Vec<Part> {
+        let width = self.width;
+        if LEAF == 1 && items.len() <= width {
             return (0..items.len()).map(|k| Part { range: k..k + 1, bounds: items[k] }).collect();
         }
-        let is_last = items.len() <= WIDTH * LEAF;
+        let is_last = items.len() <= width * LEAF;
         let is_even = depth >= DEEP || is_last || self.split == Split::Ordered;
-        let multiple = if self.split == Split::Free || is_last { 1 } else { WIDTH * LEAF };
-        let mut parts = Vec::with_capacity(WIDTH);
+        let multiple = if self.split == Split::Free || is_last { 1 } else { width * LEAF };
+        let mut parts = Vec::with_capacity(width);
         parts.push(Part::new(items, 0..items.len()));
-        while parts.len() < WIDTH {
+        while parts.len() < width {
             let large = (0..parts.len()).filter(|&k| parts[k].range.len() > multiple.max(LEAF));
             let weight = |part: &Part| if is_even { part.range.len() as f32 } else { part.bounds.area() };
             let largest = large.max_by(|&a, &b| weight(&parts[a]).total_cmp(&weight(&parts[b])));

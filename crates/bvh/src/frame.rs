@@ -29,7 +29,7 @@ pub(crate) struct Frame {
 pub(crate) const ROUNDING: f64 = 16.0 / (1 << 24) as f64;
 
 /// Least absolute value of a direction component: over a length of 4 it moves the ray by less than u.
-const LEAST: f64 = 1.0 / (1u64 << 40) as f64;
+pub(crate) const LEAST: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// Bound of the times at which a ray is in the frame: the corners of a box are at a distance of at most
 /// sqrt(3), and 4 leaves room for grown boxes. The bound grows with a growth of more than one unit.
@@ -54,6 +54,11 @@ impl Frame {
         Frame { centre: all.centre(), unit, scale: 1.0 / unit }
     }
 
+    /// The inverse of the unit.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
     /// A box in this frame, rounded outwards.
     pub fn item(&self, bounds: &Bounds, number: u32) -> Item {
         let [lo, hi] = [bounds.lo, bounds.hi].map(|p| ((p - self.centre) / self.unit).to_array());
@@ -61,7 +66,7 @@ impl Frame {
     }
 
     /// Growth of boxes, in units of the frame: the caller's margin and the error of the map into the frame.
-    fn growth(&self, from: Vec3, margin: f64) -> f64 {
+    pub fn growth(&self, from: Vec3, margin: f64) -> f64 {
         (margin + MAP_ERROR * (from.length() + self.centre.length())) * self.scale
     }
 
@@ -107,12 +112,12 @@ impl Frame {
     }
 }
 
-fn below(x: f64) -> f32 {
+pub(crate) fn below(x: f64) -> f32 {
     let rounded = x as f32;
     if f64::from(rounded) > x { rounded.next_down() } else { rounded }
 }
 
-fn above(x: f64) -> f32 {
+pub(crate) fn above(x: f64) -> f32 {
     -below(-x)
 }
 

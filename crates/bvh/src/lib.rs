@@ -21,9 +21,10 @@
 //! | type | boxes | queries | users |
 //! | --- | --- | --- | --- |
 //! | [`Bvh`] | `f32`, rounded outwards | rays in any order, [front to back](FrontToBack) or [approximately so](ForwardSearch), boxes, nearest items | `trace`, `mesh` |
-//! | [`ExactBvh`] | `f64`, as given | a condition on boxes, in list order; [bundles of eight rays](BundleTraversal), [eight rays, each on its own](RayTraversals), [many rays](RayStreams) | `trace`, `optics` |
+//! | [`ExactBvh`] | `f64`, as given | a condition on boxes, in list order; [bundles of eight rays](BundleTraversal), [eight rays, each on its own](RayTraversals) | `trace`, `optics` |
+//! | [`WideBvh`] | `f32`, rounded outwards, sixteen in a node | [many rays](RayStreams) from a bounded part of space | `trace` |
 //!
-//! Both are a flat array of nodes in preorder; [`ExactBvh`] has the topology that the builder made for the other.
+//! All are a flat array of nodes; [`ExactBvh`] has the topology that the builder made for [`Bvh`].
 //!
 //! ```
 //! use rayweave_bvh::Bvh;
@@ -66,6 +67,7 @@ mod rays;
 mod slabs;
 mod streams;
 mod tree;
+mod wide;
 
 pub use bundle::{Bundle, BundleSlabs, BundleTraversal, BundleWindow};
 pub use exact::{ExactBvh, FlatChild, FlatNode};
@@ -76,3 +78,4 @@ pub use node::WIDTH;
 pub use rays::{RayTraversals, SlabRay, SlabRays};
 pub use streams::{RayStreams, StreamPlace};
 pub use tree::Bvh;
+pub use wide::{StreamRay, StreamRays, WideBvh};

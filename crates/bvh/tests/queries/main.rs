@@ -3,3 +3,4 @@
 mod common;
 mod points;
 mod rays;
+mod streams;

@@ -7,9 +7,9 @@
 
 use super::super::places::{Step, stretch};
 use super::{Method, Object, Objects};
-use rayweave_bvh::ExactBvh;
+use rayweave_bvh::{ExactBvh, WideBvh};
 use rayweave_math::{Bounds, Vec3};
-use rayweave_model::{PlacementId, Program, Start, SurfaceEntry, SurfaceId};
+use rayweave_model::{MARGIN, PlacementId, Program, Start, SurfaceEntry, SurfaceId};
 use rayweave_shape::surface::Surface;
 use std::collections::HashMap;
 use std::ops::{ControlFlow, Range};
@@ -51,11 +51,18 @@ pub(super) struct Cell {
 /// The many solids that rays within a solid can meet.
 #[derive(Clone, Debug)]
 pub(super) struct Crowd {
-    pub tree: ExactBvh,
+    pub tree: CrowdTree,
     /// The solids in the order of the tree.
     pub solids: Vec<u32>,
-    /// True if most rays pass few of their boxes.
-    pub is_sparse: bool,
+}
+
+/// The boxes of a crowd.
+#[derive(Clone, Debug)]
+pub(super) enum CrowdTree {
+    /// Most rays pass few of them: they go through the tree together.
+    Sparse(WideBvh),
+    /// Each ray goes its own way.
+    Dense(ExactBvh),
 }
 
 /// No cell.
@@ -148,7 +155,7 @@ impl Cells {
             let mut crowd = NONE;
             if draft.is_crowded {
                 crowd = found.crowds.len() as u32;
-                found.crowds.push(Crowd::new(others, (&extents[k as usize], bounds)));
+                found.crowds.push(Crowd::new(others, (&extents[k as usize], bounds), objects.condition));
             } else {
                 found.lists.extend(others);
             }
@@ -269,8 +276,9 @@ fn regions(objects: &Objects, of_object: &[u32]) -> Vec<u32> {
 }
 
 impl Crowd {
-    /// Some solids, and the box of the solid around them.
-    fn new(solids: &[u32], (around, bounds): (&Bounds, &[Bounds])) -> Crowd {
+    /// Some solids, and the box of the solid around them. `condition` is that of the model: see
+    /// [`Prototype::condition`](rayweave_model::Prototype::condition).
+    fn new(solids: &[u32], (around, bounds): (&Bounds, &[Bounds]), condition: f64) -> Crowd {
         let boxes: Vec<Bounds> = solids.iter().map(|&k| bounds[k as usize]).collect();
         // of the random lines through a convex body, the part that passes a body within it is the ratio of their surfaces
         // (Crofton 1885)
@@ -279,11 +287,17 @@ impl Crowd {
             x * y + y * z + z * x
         };
         let is_sparse = boxes.iter().map(surface).sum::<f64>() <= SPARSE_CROWD * surface(around);
+        let all = boxes.iter().fold(*around, |all, bounds| all.union(bounds));
+        if is_sparse && all.is_finite() {
+            let tree = WideBvh::new(&boxes, around, condition * MARGIN);
+            return Crowd { tree: CrowdTree::Sparse(tree), solids: solids.to_vec() };
+        }
         let (tree, order) = match boxes.len() < SMALL_CROWD {
             true => ExactBvh::sorted_apart(&boxes),
             false => ExactBvh::sorted(&boxes),
         };
-        Crowd { tree, solids: order.into_iter().map(|k| solids[k as usize]).collect(), is_sparse }
+        let solids = order.into_iter().map(|k| solids[k as usize]).collect();
+        Crowd { tree: CrowdTree::Dense(tree), solids }
     }
 }
 

@@ -8,14 +8,14 @@
 use super::super::Firsts;
 use super::super::group::{BundleEvaluation, Row};
 use super::super::places::{Step, slabs};
-use super::cells::Crowd;
+use super::cells::{Crowd, CrowdTree};
 use super::within::{
     Departures, Eight, FirstStarts, Passage, Passages, Starts, Walk, cell_of, number, solids_in,
 };
 use super::{First, Objects, lanes_of};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use rayweave_bvh::{RayStreams, RayTraversals, SlabRay, SlabRays, StreamPlace};
+use rayweave_bvh::{RayStreams, RayTraversals, SlabRay, SlabRays, StreamPlace, StreamRay, StreamRays};
 use rayweave_model::{Evaluator, MARGIN};
 use rayweave_shape::lanes::{LANES, LaneRay, Lanes, Mask, Vec3Lanes, splat};
 
@@ -30,8 +30,9 @@ pub(super) struct Seekers {
     starts: Starts,
     /// The rays that wait for a lane.
     waiting: Vec<Seeker>,
-    /// These rays prepared for the tree, each with the time up to which solids matter.
-    slabs: Vec<(SlabRay, f64)>,
+    /// These rays prepared for the tree, in a dense or in a sparse crowd.
+    slabs: Vec<SlabRay>,
+    streaming: Vec<StreamRay>,
     /// The first hits of rays that leave the solid in which they start, and of those that enter another one.
     done: [Vec<Done>; 2],
 }
@@ -49,6 +50,8 @@ struct Seeker {
     exit: [f64; 3],
     /// True if the exit may be welded to a change behind it.
     is_near: bool,
+    /// See [`StreamRays::ray`](rayweave_bvh::StreamRays::ray).
+    pace: f64,
 }
 
 /// The first hit of a ray.
@@ -63,6 +66,11 @@ struct Done {
 }
 
 impl Seeker {
+    /// The time up to which solids matter.
+    fn until(&self) -> f64 {
+        self.exit[0] + self.given[GIVEN - 1]
+    }
+
     /// The exit from the solid in which the ray starts, as the first hit of a ray that meets no other solid, if it is certain.
     #[inline(always)]
     fn exit(&self, objects: &Objects) -> Option<Done> {
@@ -78,6 +86,12 @@ impl Seeker {
             after: cell.base,
         })
     }
+}
+
+/// Eight rays prepared for the tree of a crowd.
+enum Prepared {
+    Slabs(SlabRays),
+    Streaming(StreamRays),
 }
 
 /// The number of components of a ray with its bounds.
@@ -112,6 +126,8 @@ struct Lane8 {
     object: Row,
     /// The time up to which other solids matter.
     until: Row,
+    /// As in [`Seeker`].
+    pace: Row,
 }
 
 impl Lane8 {
@@ -135,6 +151,7 @@ impl Lane8 {
             face: row,
             object: row,
             until: row,
+            pace: row,
         }
     }
 
@@ -159,7 +176,7 @@ impl Lane8 {
         (self.before.0[lane], self.after.0[lane]) = (cell.region, cell.base);
         (self.first.0[lane], self.second.0[lane]) = (exit, next);
         (self.face.0[lane], self.object.0[lane]) = (face, f64::from(own));
-        self.until.0[lane] = exit + seeker.given[GIVEN - 1];
+        (self.until.0[lane], self.pace.0[lane]) = (seeker.until(), seeker.pace);
     }
 
     /// The first hit of the ray of a lane, if it is certain.
@@ -257,7 +274,7 @@ impl Firsts<'_, '_> {
         for rays in rays.chunk_by_mut(|&a, &b| cell_of(a) == cell_of(b)) {
             let number = cell_of(rays[0]);
             let crowd = objects.cells.crowd(objects.cells.get(number).crowd);
-            if !crowd.is_sparse {
+            if let CrowdTree::Dense(_) = crowd.tree {
                 objects.order(&self.rays, rays);
             }
             self.among_crowd(simd, objects, (number, crowd, rays), group, seekers, others);
@@ -281,23 +298,26 @@ impl Firsts<'_, '_> {
     ) {
         let (mut eights, mut lanes, mut items) = (rays.chunks(LANES), Lane8::new(), [0; LANES]);
         let t_max = self.query.window.t_max();
-        // for each lane, its place among the solids on the way of its ray, unless the ray searches the tree itself
-        let mut places = [Some(StreamPlace::END); LANES];
-        if crowd.is_sparse {
+        // for each lane, its place among the solids on the way of its ray in a sparse crowd
+        let mut places = [StreamPlace::END; LANES];
+        if let CrowdTree::Sparse(tree) = &crowd.tree {
+            seekers.streaming.clear();
             for numbers in eights.by_ref() {
-                self.prepare(simd, objects, group, (cell, numbers), seekers, others);
+                self.prepare(simd, objects, group, (cell, crowd, numbers), seekers, others);
             }
-            seekers.streams.find(simd, &crowd.tree, &seekers.slabs);
-            objects.read_ahead(crowd, seekers.streams.places());
+            seekers.streams.find(simd, tree, &mut seekers.streaming);
+            objects.read_ahead(crowd, seekers.streams.items());
         }
         loop {
             for lane in 0..LANES {
                 loop {
                     if lanes.active >> lane & 1 == 1 {
                         let is_open = lanes.uncertain >> lane & 1 == 0;
-                        let next = |until| match &mut places[lane] {
-                            Some(place) => seekers.streams.next(place, until),
-                            None => seekers.traversals.next(simd, &crowd.tree, lane, until),
+                        let next = |until| match &crowd.tree {
+                            CrowdTree::Sparse(_) => {
+                                seekers.streams.next(&mut places[lane], until, lanes.pace.0[lane])
+                            }
+                            CrowdTree::Dense(tree) => seekers.traversals.next(simd, tree, lane, until),
                         };
                         if let Some(place) = Some(lanes.until.0[lane]).filter(|_| is_open).and_then(next) {
                             items[lane] = crowd.solids[place as usize];
@@ -306,29 +326,31 @@ impl Firsts<'_, '_> {
                         self.finish(simd, objects, lane, &lanes, &mut seekers.done, others);
                         lanes.active &= !(1 << lane);
                     }
-                    if seekers.waiting.is_empty() {
+                    let Some(seeker) = seekers.waiting.pop() else {
                         let Some(numbers) = eights.next() else { break };
-                        self.prepare(simd, objects, group, (cell, numbers), seekers, others);
+                        self.prepare(simd, objects, group, (cell, crowd, numbers), seekers, others);
                         continue;
-                    }
-                    let (Some(seeker), Some((slabs, until))) = (seekers.waiting.pop(), seekers.slabs.pop())
-                    else {
-                        break;
                     };
-                    places[lane] = match crowd.is_sparse {
-                        true => seekers.streams.of_ray(seekers.waiting.len()),
-                        false => None,
-                    };
-                    if places[lane] == Some(StreamPlace::END)
-                        && let Some(exit) = seeker.exit(objects)
-                    {
-                        self.put(simd, objects, exit, &mut seekers.done[0]);
-                        continue;
+                    match &crowd.tree {
+                        CrowdTree::Sparse(_) => {
+                            let Some(place) = seekers.streams.of_ray(seekers.waiting.len()) else {
+                                others.push(u64::from(seeker.ray));
+                                continue;
+                            };
+                            places[lane] = place;
+                            if place == StreamPlace::END
+                                && let Some(exit) = seeker.exit(objects)
+                            {
+                                self.put(simd, objects, exit, &mut seekers.done[0]);
+                                continue;
+                            }
+                        }
+                        CrowdTree::Dense(tree) => {
+                            let Some(slabs) = seekers.slabs.pop() else { break };
+                            seekers.traversals.begin_one(simd, tree, lane, slabs, seeker.until());
+                        }
                     }
                     lanes.put(lane, objects, &seeker);
-                    if places[lane].is_none() {
-                        seekers.traversals.begin_one(simd, &crowd.tree, lane, slabs, until);
-                    }
                 }
             }
             if lanes.active == 0 {
@@ -344,7 +366,7 @@ impl Firsts<'_, '_> {
         simd: S,
         objects: &Objects,
         group: &mut BundleEvaluation<'_, S>,
-        (cell, numbers): (u32, &[u64]),
+        (cell, crowd, numbers): (u32, &Crowd, &[u64]),
         seekers: &mut Seekers,
         others: &mut Vec<u64>,
     ) {
@@ -357,8 +379,6 @@ impl Firsts<'_, '_> {
                 starts.read(&self.query, numbers);
                 let (ray, uncertain) =
                     LaneRay::new(simd, eight.origin, eight.direction, &objects.model.limits);
-                let margin = ray.origin.taxicab() * (objects.condition * MARGIN);
-                let slabs = slabs(simd, ray.origin, ray.direction, margin);
                 let behind = splat(simd, objects.cells.slack) / ray.direction.taxicab();
                 let queried = Mask::from_bitmask(simd, (1 << numbers.len()) - 1);
                 let own = objects.cells.list(objects.cells.get(cell))[0];
@@ -371,7 +391,17 @@ impl Firsts<'_, '_> {
                 let several = starts.others.iter().fold(0, |all: u64, other| all | 1 << other.lane);
                 let known = leaves.to_bitmask() & !several;
                 let Passage { first, second, face, .. } = &passage;
-                let (slabs, o, d) = (SlabRays::new(&slabs), &eight.origin, &eight.direction);
+                let (o, d) = (&eight.origin, &eight.direction);
+                let prepared = match &crowd.tree {
+                    CrowdTree::Sparse(tree) => {
+                        let window = [eight.from, passage.first + behind];
+                        Prepared::Streaming(tree.rays(simd, [o.x, o.y, o.z], [d.x, d.y, d.z], window))
+                    }
+                    CrowdTree::Dense(_) => {
+                        let margin = ray.origin.taxicab() * (objects.condition * MARGIN);
+                        Prepared::Slabs(SlabRays::new(&slabs(simd, ray.origin, ray.direction, margin)))
+                    }
+                };
                 let columns = [&o.x, &o.y, &o.z, &d.x, &d.y, &d.z, &eight.from, &behind, first, second, face];
                 let mut rows = [Row([0.0; LANES]); 11];
                 for k in 0..columns.len() {
@@ -384,7 +414,18 @@ impl Firsts<'_, '_> {
                     }
                     let FirstStarts { surface, placement, inside } = &starts.first;
                     let at = |k: usize| rows[k].0[lane];
-                    seekers.slabs.push((slabs.ray(lane, at(6)), at(8) + at(7)));
+                    let mut pace = 1.0;
+                    match &prepared {
+                        Prepared::Slabs(slabs) => seekers.slabs.push(slabs.ray(lane, at(6))),
+                        Prepared::Streaming(rays) => {
+                            let Some((streaming, own)) = rays.ray(lane) else {
+                                others.push(number(entry) as u64);
+                                continue;
+                            };
+                            seekers.streaming.push(streaming);
+                            pace = own;
+                        }
+                    }
                     seekers.waiting.push(Seeker {
                         ray: number(entry) as u32,
                         cell,
@@ -392,6 +433,7 @@ impl Firsts<'_, '_> {
                         start: ([surface.0[lane], placement.0[lane]], inside >> lane & 1 == 1),
                         exit: [at(8), at(9), at(10)],
                         is_near: near >> lane & 1 == 1,
+                        pace,
                     });
                 }
             },
