@@ -122,9 +122,8 @@ _Part = (
     | tuple[str, Sheet, _Spec]
     | tuple[str, ReadElement]
 )
-_SemiDiameters = tuple[float | None, float | None]
 _Row = (
-    tuple[float, float, _MaterialBehind, float, _SemiDiameters, float, Sequence[float], Sequence[float], _Spec]
+    tuple[float, float, _MaterialBehind, float, tuple[float | None, float | None], float, Sequence[float], Sequence[float], _Spec]
 )
 _Spec = tuple[str, Sequence[float]]
 _Substance = Glass | GradedMedium | tuple[float, float]
