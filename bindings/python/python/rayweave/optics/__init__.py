@@ -31,9 +31,7 @@ files       `load`, `Prescription.read_zmx`
 =========== ========================================================================================================
 """
 
-import sys as _sys
 from difflib import get_close_matches as _get_close_matches
-from dis import opname as _opname
 
 from rayweave._core import Glass, GradedMedium, Sheet, glass_names
 from rayweave.optics._analysis import Path, Spot
@@ -270,9 +268,4 @@ def __getattr__(name: str) -> object:
     else:
         near = _get_close_matches(name, __all__, 1)
         hint = f"did you mean {near[0]}?" if near else "help(rayweave.optics) lists what there is"
-    problem = f"module 'rayweave.optics' has no attribute '{name}': {hint}"
-    caller = _sys._getframe(1)
-    # `from rayweave.optics import optimize` replaces the text of an AttributeError by one without the hint
-    if _opname[caller.f_code.co_code[caller.f_lasti]] == "IMPORT_FROM":
-        raise ImportError(problem, name=name)
-    raise AttributeError(problem)
+    raise AttributeError(f"module 'rayweave.optics' has no attribute '{name}': {hint}")
