@@ -244,8 +244,9 @@ impl ModelArguments {
         Ok((imported.document(), imported.scene))
     }
 
-    /// Reads the model file for the simulation of photons: undefined materials, properties and surfaces are rejected.
-    pub fn load_optical_document(&self) -> Result<(Document, Scene), Failure> {
+    /// Reads the model file for the simulation of photons: undefined materials, properties and surfaces are rejected, or counted
+    /// where they are allowed.
+    pub fn load_optical_document(&self) -> Result<(Document, Scene, usize), Failure> {
         let imported = self.import_all()?;
         let undefined = imported.report.count(LossKind::Undefined);
         if undefined > 0 && !self.allow_missing {
@@ -261,7 +262,7 @@ impl ModelArguments {
             );
             return Err(Failure::Input(text));
         }
-        Ok((imported.document(), imported.scene))
+        Ok((imported.document(), imported.scene, undefined))
     }
 
     /// The name of the file without its extension, for output files.

@@ -138,7 +138,7 @@ pub struct PhotonDraw {
 impl PhotonDraw {
     pub fn run(&self) -> Result<(), Failure> {
         self.drawings.files().try_for_each(|path| drawing::check(path))?;
-        let (document, scene) = self.model.load_optical_document()?;
+        let (document, scene, _) = self.model.load_optical_document()?;
         let detector = Detector::with_tables(&scene, &document, &self.tables.tables()?)?;
         let hits = read_hits(&self.hits, &detector)?;
         self.drawings.draw(&hits, &detector, &self.model.name())

@@ -266,7 +266,7 @@ impl Simulation {
             }
             _ => {}
         }
-        let (document, scene) = self.model.load_optical_document()?;
+        let (document, scene, undefined) = self.model.load_optical_document()?;
         let tables = self.tables.tables()?;
         let detector = Detector::with_tables(&scene, &document, &tables)?;
         let note = |text: &str| {
@@ -306,7 +306,7 @@ impl Simulation {
         let mut report = self.simulate(global, (&detector, &source), &settings, &parts)?;
         let mistakes = || {
             let found = lint(&scene, &document, &tables, Packets::new, &|_, _, _| None);
-            found.iter().filter(|finding| !finding.is_unused).count()
+            undefined + found.iter().filter(|finding| !finding.is_unused).count()
         };
         if !global.quiet {
             report.remarks(&self.model.name(), mistakes).iter().for_each(|text| note(text));
