@@ -185,15 +185,17 @@ def test_undefined_references_are_errors(tmp_path):
     text = BAR.replace('<physvolref ref="diode"/>', '<physvolref ref="dioed"/>')
     with pytest.raises(RayweaveError, match="unknown placement `dioed`.*Did you mean `diode`"):
         rp.loads(text)
-    with pytest.warns(UserWarning, match="unknown placement `dioed`"):
+    with pytest.warns(UserWarning) as caught:
         detector = rp.loads(text, allow_missing=True)
+    assert any("unknown placement `dioed`" in str(own.message) for own in caught)
     assert any("`dioed`" in text for text in detector.warnings)
     assert [own for own in detector.check()["text"] if "`dioed`" in own]
     (tmp_path / "bar.gdml").write_text(BAR.replace('surfaceproperty="Cathode"', 'surfaceproperty="Cathod"'))
     with pytest.raises(RayweaveError, match="(?s)unknown optical surface `Cathod`.*bar.gdml:.*allow_missing=True"):
         rp.load(tmp_path / "bar.gdml")
-    with pytest.warns(UserWarning, match="unknown optical surface"):
+    with pytest.warns(UserWarning) as caught:
         detector = rp.load(tmp_path / "bar.gdml", allow_missing=True)
+    assert any("unknown optical surface" in str(own.message) for own in caught)
     rows = [own for own in detector.check()["text"] if "unknown optical surface `Cathod`" in own]
     assert len(rows) == 1
     with pytest.raises(RayweaveError, match="there is no surface 'cathode'.*Did you mean 'Cathode'"):
@@ -321,8 +323,9 @@ def test_whole_floats_and_warnings(bar):
     assert bar.simulate(from_middle(), 1e2).photons == 100
     with pytest.raises(TypeError, match="n is 1.5: it must be a whole number"):
         bar.simulate(from_middle(), 1.5)
-    with pytest.warns(UserWarning, match="look like eV"):
+    with pytest.warns(UserWarning) as caught:
         detector = rp.loads(BAR.replace("1.5*eV 1.79 4*eV 1.79", "1.5 1.79 4 1.79"))
+    assert any("look like eV" in str(own.message) for own in caught)
     assert any("look like eV" in text for text in detector.warnings)
     sensor = '<solidref ref="DiodeBox"/>'
     marked = BAR.replace(sensor, sensor + '<auxiliary auxtype="SensDet" auxvalue="d"/>')
