@@ -50,7 +50,7 @@ mod tests {
         assert_eq!(said("keyway", &["body", "key"]).unwrap(), "Did you mean `key`?");
         assert_eq!(said("bolt", &["bolt_circle", "plate"]).unwrap(), "Did you mean `bolt_circle`?");
         // two candidates, and a short one
-        assert_eq!(said("keyway", &["key", "keyw_x"]), None);
+        assert_eq!(said("keyway", &["key", "keyway_of_the_hub"]), None);
         assert_eq!(said("keyway", &["ke", "body"]), None);
     }
 }
